@@ -57,7 +57,7 @@ fn generated(name: &'static str, frame: usize) -> Case {
 fn bunnies() -> Option<Case> {
     let folder = std::env::var_os("PFRONT_DATA")?;
     let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
-    let mesh = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = pfront_files::read_f32(&path).unwrap_or_else(|e| panic!("{e}"));
     let model = Model::new(mesh.positions, mesh.triangles).unwrap_or_else(|e| panic!("{e}"));
     let a_from_b = Pose::from_translation([0.015625, 0.0, 0.0]);
     let count = PairQuery::new().count(&model, &model, a_from_b).unwrap_or(0);

@@ -33,7 +33,7 @@ fn mesh() -> (&'static str, MeshData) {
         return ("torus knots", torus_knot(70_000));
     };
     let path = std::path::Path::new(&folder).join("classic/bunny_69451.obj");
-    let mesh = pfront_cli::mesh::read(&path).unwrap();
+    let mesh = pfront_files::read_f32(&path).unwrap();
     ("bunnies", MeshData { positions: mesh.positions, triangles: mesh.triangles })
 }
 

@@ -136,7 +136,8 @@ fn cloth_ball(poses: usize) -> Option<Play> {
     let folder = std::env::var_os("PFRONT_DATA")?;
     let read = |frame: u32| {
         let path = format!("cloth/cloth_ball/cloth_ball{frame}.ply");
-        pfront_cli::mesh::read(&Path::new(&folder).join(path)).ok()
+        let read = pfront_files::read_f32(&Path::new(&folder).join(path)).ok()?;
+        Some(MeshData { positions: read.positions, triangles: read.triangles })
     };
     let (first, second) = (read(92)?, read(93)?.positions);
     let pose = |pose: usize| {

@@ -92,7 +92,7 @@ fn twin_in_bounded_memory() {
 
 #[test]
 fn broken_files() {
-    let read = |file: &str| pfront_cli::mesh::read(&data::data().join("nasty").join(file));
+    let read = |file: &str| pfront_files::read_f32(&data::data().join("nasty").join(file));
     assert!(read("notenoughindices.obj").is_err());
     // Only its colours are NaN.
     assert_eq!(read("nancolor.obj").unwrap().triangles.len(), 12);

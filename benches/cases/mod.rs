@@ -63,7 +63,7 @@ fn generated(name: &'static str, size: Option<usize>, from: usize) -> Case {
 fn dragon() -> Option<Model> {
     let folder = std::env::var_os("PFRONT_DATA")?;
     let path = std::path::Path::new(&folder).join("classic/dragon_871414.ply");
-    let mesh = pfront_cli::mesh::read(&path).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = pfront_files::read_f32(&path).unwrap_or_else(|e| panic!("{e}"));
     Some(Model::new(mesh.positions, mesh.triangles).unwrap())
 }
 

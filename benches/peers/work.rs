@@ -248,7 +248,8 @@ fn voxels(triangles: usize, random: &mut impl Rng) -> MeshData {
 fn recorded(name: &str, file: &str) -> Option<MeshData> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
     let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    let mesh = pfront_cli::mesh::read(&folder.join(file));
+    let read = pfront_files::read_f32(&folder.join(file));
+    let mesh = read.map(|read| MeshData { positions: read.positions, triangles: read.triangles });
     mesh.inspect_err(|error| {
         eprintln!("{name} is left out: {error} (set PFRONT_DATA to the folder with {file})");
     })

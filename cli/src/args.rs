@@ -11,25 +11,26 @@ use clap_complete::Shell;
 use pfront::pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront::{AnyPose, Pose, Pose64};
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
-use pfront_cli::mesh::ReadOptions;
+use pfront_files::{FORMATS, ReadOptions, Weld};
+use std::ffi::OsString;
 use std::num::NonZero;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  pfront                                          a 120-frame demo, with timings
+  pfront demo                                     120 frames of a worm drive, with timings
   pfront pairs a.obj b.stl --translate 0.1,0,0    every intersecting triangle pair
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
   pfront self cloth.ply --csv > folds.csv
-  pfront scene room.glb --ignore Lid Box          the bodies of a scene that meet, by name
+  pfront scene room.glb --ignore 'Lid*' Box       the bodies of a scene that meet, by name
   pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
   pfront pairs a.obj b.obj --out curve.obj        the curves in which they intersect
   pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
   0  done; for any: something meets
-  1  for any: nothing meets
+  1  for any: nothing meets; with --fail: something does
   2  the command line or a file was refused; standard error says why
   130  interrupted";
 
@@ -54,6 +55,8 @@ pub(crate) enum Command {
         #[command(flatten)]
         executor: ExecutorArgs,
     },
+    /// Time 120 frames of a built-in worm drive on this machine
+    Demo,
     /// Test whether two meshes intersect (exit code 0 or 1), and print one pair
     Any {
         #[command(flatten)]
@@ -64,15 +67,16 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// List the self-intersections of a mesh
+    /// List the self-intersections of meshes, each by itself
     ///
-    /// Triangles count from 0, in the order of the file.
+    /// Triangles count from 0, in the order of their file.
     #[command(name = "self")]
     SelfCollision(SelfCollision),
     /// List all intersecting triangle pairs of different bodies
     ///
-    /// Bodies are the nodes of glTF files that have triangles, and any other file as a whole. They stay where the
-    /// coordinates of their files put them. One body alone has nothing to meet; for that see pfront self.
+    /// Bodies are the nodes of glTF files and their instances, the items of 3MF files, the objects of OBJ files, or else their
+    /// groups, and the solids of STL files; a file of one body has the name of the file. They stay where the coordinates of
+    /// their files put them. One body alone has nothing to meet; for that see pfront self.
     /// Triangles count from 0 within their body.
     Scene(Scene),
     /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
@@ -92,17 +96,91 @@ pub(crate) enum Command {
         json: bool,
     },
     /// Print what completes this command's words in a shell
+    ///
+    /// As by: pfront completions bash > ~/.local/share/bash-completion/completions/pfront
     Completions {
         /// The shell
         shell: Shell,
     },
+    /// Print the manual page of this command
+    ///
+    /// As by: pfront man > ~/.local/share/man/man1/pfront.1
+    Man,
+}
+
+/// How meshes are read.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct Reading {
+    /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
+    #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
+    input_format: Option<String>,
+    /// MB that a mesh may take while it is read, and as many again for baking it or for an answer [default: reading: 16
+    /// times the file and 64 MB, baking and answer: what is free]
+    #[arg(long, value_name = "MB", value_parser = megabytes)]
+    pub(crate) memory: Option<usize>,
+    /// Round coordinates to f32, and compute poses there: faster, and what graphics do [default: in f64, as written]
+    #[arg(long = "f32")]
+    pub(crate) in_f32: bool,
+    /// Read files that a glTF names outside its own folder too [default: refused, since it may name any file]
+    #[arg(long)]
+    allow_outside_files: bool,
+    /// Join vertices within a distance of each other; without one, those at the same place [default: those at the same
+    /// place, in STL, glTF, 3MF, and OBJ with normals or texture coordinates, which split vertices]
+    #[arg(long, value_name = "DISTANCE", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "0", value_parser = distance)]
+    weld: Option<f64>,
+    /// Keep vertices apart that the file numbers apart
+    #[arg(long, conflicts_with = "weld")]
+    no_weld: bool,
+}
+
+impl Reading {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            format: self.input_format.clone(),
+            memory: self.memory,
+            in_f32: self.in_f32,
+            allow_outside_files: self.allow_outside_files,
+            weld: match (self.weld, self.no_weld) {
+                (Some(distance), _) => Weld::Within(distance),
+                (None, true) => Weld::Never,
+                (None, false) => Weld::Split,
+            },
+        }
+    }
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| *x >= 0.0 && x.is_finite());
+    number.ok_or_else(|| "not a distance".to_owned())
+}
+
+/// The words of the command line, with `--weld=1e-6` in place of `--weld 1e-6`: what follows may be a file just as well.
+pub(crate) fn words(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut all: Vec<OsString> = Vec::new();
+    for word in words {
+        let is_distance = word.to_str().is_some_and(|text| distance(text).is_ok());
+        match all.last_mut().filter(|last| is_distance && *last == "--weld") {
+            Some(last) => {
+                last.push("=");
+                last.push(word);
+            }
+            None => all.push(word),
+        }
+    }
+    all
+}
+
+fn megabytes(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().and_then(|number| number.checked_mul(1_000_000));
+    number.ok_or_else(|| "not a number of MB".to_owned())
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct TwoMeshes {
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
-    /// The first mesh: obj, ply, stl, off, gltf, glb, or pfb from bake; - is standard input
+    pub(crate) reading: Reading,
+    /// The first mesh: obj, ply, stl, off, gltf, glb, 3mf, or pfb from bake; - is standard input
     pub(crate) a: PathBuf,
     /// The second mesh
     pub(crate) b: PathBuf,
@@ -170,16 +248,14 @@ fn rotation(text: &str) -> Result<[f64; 4], String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct SelfCollision {
-    /// The mesh
-    pub(crate) mesh: PathBuf,
-    /// Merge identical vertices first (needed for STL)
-    #[arg(long)]
-    pub(crate) weld: bool,
+    /// The meshes
+    #[arg(required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
     /// Leave out every pair that shares a vertex
     #[arg(long)]
     pub(crate) skip_neighbours: bool,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
@@ -191,14 +267,18 @@ pub(crate) struct Scene {
     /// The meshes
     #[arg(required = true)]
     pub(crate) meshes: Vec<PathBuf>,
-    /// Leave out hits of two bodies, by their names or by those of their files; may be given again
+    /// Leave out hits of two bodies, by their names or by those of their files, where * stands for any characters and ? for
+    /// one; may be given again
     #[arg(long, num_args = 2, value_names = ["BODY", "BODY"])]
     pub(crate) ignore: Vec<String>,
+    /// Leave out hits of the bodies that the first two columns of a CSV file name, as --bodies --csv writes it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) ignore_file: Option<PathBuf>,
     /// List only which bodies meet: a line for each two, with the number of their triangle pairs
     #[arg(long, conflicts_with_all = ["contacts", "source"])]
     pub(crate) bodies: bool,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
     #[command(flatten)]
@@ -208,7 +288,7 @@ pub(crate) struct Scene {
 #[derive(Debug, Args)]
 pub(crate) struct Bake {
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -224,9 +304,6 @@ pub(crate) struct Bake {
     #[arg(long, value_name = "N", default_value_t = MAX_LEAF_SIZE)]
     #[arg(value_parser = RangedU64ValueParser::<u32>::new().range(1..=MAX_LEAF_SIZE as u64))]
     pub(crate) leaf_size: u32,
-    /// Merge identical vertices first (needed for STL)
-    #[arg(long)]
-    pub(crate) weld: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -243,7 +320,7 @@ pub(crate) struct Bench {
     #[arg(num_args = 2, value_names = ["A", "B"])]
     pub(crate) meshes: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) reading: ReadOptions,
+    pub(crate) reading: Reading,
     /// How many frames
     #[arg(long, value_name = "N", default_value = "120")]
     pub(crate) frames: NonZero<u32>,

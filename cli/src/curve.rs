@@ -1,6 +1,7 @@
 //! Contacts, and their segments joined to polylines.
 
 use pfront::Contact;
+use pfront_files::write_polylines;
 use std::collections::HashMap;
 use std::io::{self, Write};
 
@@ -77,21 +78,7 @@ impl Curves {
 
     /// Writes them as OBJ.
     pub(crate) fn write(&self, to: &mut impl Write) -> io::Result<()> {
-        for point in &self.points {
-            if self.is_f64 {
-                let [x, y, z] = point;
-                writeln!(to, "v {x} {y} {z}")?;
-            } else {
-                let [x, y, z] = point.map(|x| x as f32);
-                writeln!(to, "v {x} {y} {z}")?;
-            }
-        }
-        for line in &self.lines {
-            write!(to, "l")?;
-            line.iter().try_for_each(|point| write!(to, " {}", point + 1))?;
-            writeln!(to)?;
-        }
-        Ok(())
+        write_polylines(to, &self.points, &self.lines, !self.is_f64)
     }
 
     pub(crate) fn len(&self) -> usize {

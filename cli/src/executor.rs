@@ -1,12 +1,12 @@
 //! The executor that answers: the options that all queries share.
 
-use crate::escape::escaped;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use pfront::Executor;
 use pfront::gpu::Gpu;
 use pfront::gpu::wgpu::{Adapter, AdapterInfo, Backends, DeviceType, Instance, InstanceDescriptor};
 use pfront::threads::Pool;
+use pfront_files::escape::escaped;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZero;
 use std::path::Path;

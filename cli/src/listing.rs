@@ -3,16 +3,18 @@
 use crate::args::{Format, Listing};
 use crate::curve::{AnyContact, Curves};
 use anyhow::{Context, Result};
-use pfront::{AnyPose, Contact, Mesh, TrianglePair};
-use pfront_cli::escape::{escaped, is_shown, json, shown_path, write_json};
-use pfront_cli::mesh::{PaintedMesh, Source, write_painted};
+use pfront::{AnyPose, Contact, Mesh, Model, TrianglePair};
+use pfront_cli::json::{VERSION, json};
 use pfront_cli::output::{Draft, out};
+use pfront_files::escape::{escaped, is_shown, shown_path};
+use pfront_files::{PaintedMesh, Source, write_painted};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::iter::once;
+use std::path::Path;
 
 /// The colours of meshes in turn, and of triangles that meet.
 const PLAIN: [[u8; 3]; 2] = [[172, 182, 196], [206, 196, 170]];
@@ -22,14 +24,42 @@ const HIT: [u8; 3] = [214, 40, 40];
 pub(crate) struct Origin<'f> {
     pub(crate) name: String,
     pub(crate) source: &'f Source,
-    /// The triangle of the file that is the first here.
-    pub(crate) first: u32,
+    /// The triangles of the file that are here, unless all are.
+    pub(crate) triangles: Option<Vec<u32>>,
+}
+
+/// A file that was read, as JSON has it.
+#[derive(Serialize)]
+pub(crate) struct FileRow {
+    name: String,
+    vertices: usize,
+    triangles: usize,
+}
+
+impl FileRow {
+    /// A file with its models.
+    pub(crate) fn new<'m>(path: &Path, models: impl IntoIterator<Item = &'m Model>) -> Self {
+        let name = path.display().to_string();
+        let mut row = Self { name, vertices: 0, triangles: 0 };
+        models.into_iter().for_each(|model| row.add(model));
+        row
+    }
+
+    pub(crate) fn add(&mut self, model: &Model) {
+        self.vertices += model.mesh().vertex_count();
+        self.triangles += model.mesh().triangles().len();
+    }
 }
 
 impl<'f> Origin<'f> {
+    /// The number of a triangle in its file.
+    fn in_file(&self, triangle: u32) -> u32 {
+        self.triangles.as_ref().map_or(triangle, |triangles| triangles[triangle as usize])
+    }
+
     /// All of a file.
     pub(crate) fn of_file(source: &'f Source) -> Self {
-        Self { name: String::new(), source, first: 0 }
+        Self { name: String::new(), source, triangles: None }
     }
 }
 
@@ -45,7 +75,9 @@ pub(crate) struct Hit {
 pub(crate) enum Kind {
     /// A pair of triangles.
     Pairs,
-    /// A pair of triangles, and the names of their origins.
+    /// A pair of triangles, and the name of their file.
+    Files,
+    /// A pair of triangles, and the names of their bodies.
     Scene,
     /// Two origins, and the number of their pairs.
     Bodies,
@@ -53,6 +85,7 @@ pub(crate) enum Kind {
 
 /// The hits that a query found.
 pub(crate) struct Found<'f> {
+    pub(crate) files: Vec<FileRow>,
     pub(crate) origins: &'f [Origin<'f>],
     pub(crate) kind: Kind,
     pub(crate) hits: Box<dyn Iterator<Item = Hit> + 'f>,
@@ -62,13 +95,13 @@ pub(crate) struct Found<'f> {
 #[derive(Serialize)]
 struct Row<'f> {
     #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<&'f str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     bodies: Option<[&'f str; 2]>,
     a: u32,
     b: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     faces: Option<[u32; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    nodes: Option<[Option<&'f str>; 2]>,
     #[serde(flatten)]
     contact: Option<ContactRow>,
 }
@@ -155,37 +188,43 @@ impl<'f> Found<'f> {
 
     fn print(self, listing: &Listing, format: Format, to: &mut impl Write) -> io::Result<()> {
         if self.kind == Kind::Bodies {
-            return self.print_bodies(format, to);
+            return self.print_bodies(format, listing, to);
         }
-        let columns = self.columns(format);
-        let Self { origins, kind, hits } = self;
-        let is_scene = kind == Kind::Scene;
-        let has_nodes =
-            listing.source && origins.iter().any(|origin| origin.source.nodes().next().is_some());
+        let columns = self.columns(format, listing);
+        let Self { files, origins, kind, hits } = self;
+        let (is_scene, has_file) = (kind == Kind::Scene, kind == Kind::Files);
+        let has_bodies = is_scene || listing.source && has_bodies(origins);
         let row = |Hit { origins: two, pair, contact }: Hit| {
             let [x, y] = two.map(|origin| &origins[origin]);
-            let [a, b] = [x.first + pair.a, y.first + pair.b];
+            let [a, b] = [x.in_file(pair.a), y.in_file(pair.b)];
+            let body = |origin: &'f Origin<'f>, triangle| match is_scene {
+                true => &origin.name[..],
+                false => origin.source.body(triangle).unwrap_or_default(),
+            };
             Row {
-                bodies: is_scene.then(|| [&x.name[..], &y.name]),
+                file: has_file.then_some(&x.name),
+                bodies: has_bodies.then(|| [body(x, a), body(y, b)]),
                 a: pair.a,
                 b: pair.b,
                 faces: listing.source.then(|| [x.source.face(a), y.source.face(b)]),
-                nodes: has_nodes.then(|| [x.source.node(a), y.source.node(b)]),
                 contact: contact.as_ref().map(ContactRow::new),
             }
         };
         if format == Format::Json {
-            write!(to, "{{\"{}\":", if listing.contacts { "contacts" } else { "pairs" })?;
+            begin_json(to, &files)?;
+            write!(to, "\"{}\":", if listing.contacts { "contacts" } else { "pairs" })?;
+            let mut count = 0;
+            let hits = hits.inspect(|_| count += 1);
             let mut json = json(&mut *to);
-            if is_scene || listing.contacts || listing.source {
+            if has_bodies || has_file || listing.contacts || listing.source {
                 json.collect_seq(hits.map(row))?;
             } else {
                 json.collect_seq(hits.map(|hit| [hit.pair.a, hit.pair.b]))?;
             }
-            writeln!(to, "}}")?;
+            writeln!(to, ",\"count\":{count}}}")?;
             return to.flush();
         }
-        columns.write(to, titles(is_scene, listing, has_nodes))?;
+        columns.write(to, titles(has_file, has_bodies, listing))?;
         let mut rows = 0;
         for row in hits.map(row) {
             columns.write(to, row.cells())?;
@@ -199,8 +238,13 @@ impl<'f> Found<'f> {
 }
 
 impl Found<'_> {
-    fn print_bodies(self, format: Format, to: &mut impl Write) -> io::Result<()> {
-        let columns = self.columns(format);
+    fn print_bodies(
+        self,
+        format: Format,
+        listing: &Listing,
+        to: &mut impl Write,
+    ) -> io::Result<()> {
+        let columns = self.columns(format, listing);
         let mut pairs = BTreeMap::<[usize; 2], u64>::new();
         for Hit { origins, .. } in self.hits {
             *pairs.entry(origins).or_default() += 1;
@@ -209,7 +253,10 @@ impl Found<'_> {
         let rows = pairs.iter().map(|(two, pairs)| (two.map(name), *pairs));
         if format == Format::Json {
             let rows = rows.map(|(bodies, pairs)| json!({ "bodies": bodies, "pairs": pairs }));
-            write_json(to, &json!({ "bodies": rows.collect::<Vec<_>>() }))?;
+            begin_json(to, &self.files)?;
+            write!(to, "\"bodies\":")?;
+            json(&mut *to).collect_seq(rows)?;
+            writeln!(to, ",\"count\":{}}}", pairs.len())?;
             return to.flush();
         }
         let titles = [Cell::Name("body_a"), Cell::Name("body_b"), Cell::Title("pairs", 10)];
@@ -223,11 +270,25 @@ impl Found<'_> {
         to.flush()
     }
 
-    fn columns(&self, format: Format) -> Columns {
-        let width = self.origins.iter().map(|origin| escaped(&origin.name).chars().count()).max();
+    fn columns(&self, format: Format, listing: &Listing) -> Columns {
+        let own = self.origins.iter().map(|origin| &origin.name);
+        let bodies = self.origins.iter().flat_map(|origin| origin.source.bodies());
+        let names = own.chain(bodies.filter(|_| listing.source));
+        let width = names.map(|name| escaped(name).chars().count()).max();
         let width = width.unwrap_or(0).max("body_a".len());
         Columns { csv: format == Format::Csv, width }
     }
+}
+
+fn has_bodies(origins: &[Origin<'_>]) -> bool {
+    origins.iter().any(|origin| !origin.source.bodies().is_empty())
+}
+
+/// Writes the beginning of a JSON object, which the caller goes on with.
+fn begin_json(to: &mut impl Write, files: &[FileRow]) -> io::Result<()> {
+    write!(to, "{{\"version\":{VERSION},\"files\":")?;
+    json(&mut *to).collect_seq(files)?;
+    write!(to, ",")
 }
 
 /// The positions of a mesh as it is posed, in f64 if that is so of its query.
@@ -262,9 +323,9 @@ enum Cell<'c> {
 }
 
 fn titles(
-    is_scene: bool,
+    has_file: bool,
+    has_bodies: bool,
     listing: &Listing,
-    has_nodes: bool,
 ) -> impl Iterator<Item = Cell<'static>> {
     let columns = |two: [&'static str; 2], cell: fn(&'static str) -> Cell<'static>, shown: bool| {
         two.into_iter().map(cell).filter(move |_| shown)
@@ -273,10 +334,11 @@ fn titles(
     let contacts = COORDINATES.iter().map(|title| Cell::Title(title, 13));
     let contacts =
         once(Cell::Kind("kind")).chain(contacts).take(if listing.contacts { 13 } else { 0 });
-    columns(["body_a", "body_b"], Cell::Name, is_scene)
+    once(Cell::Name("file"))
+        .filter(move |_| has_file)
+        .chain(columns(["body_a", "body_b"], Cell::Name, has_bodies))
         .chain(columns(["a", "b"], index, true))
         .chain(columns(["face_a", "face_b"], index, listing.source))
-        .chain(columns(["node_a", "node_b"], Cell::Name, has_nodes))
         .chain(contacts)
 }
 
@@ -286,10 +348,8 @@ impl Row<'_> {
             let numbers = segment.iter().chain(normals).flatten();
             once(Cell::Kind(kind)).chain(numbers.map(|&x| Cell::Coordinate(x)))
         });
-        let nodes = self.nodes.into_iter().flatten();
-        self.bodies
-            .into_iter()
-            .flatten()
+        let names = self.file.into_iter().chain(self.bodies.into_iter().flatten());
+        names
             .map(Cell::Name)
             .chain(
                 [self.a, self.b]
@@ -297,7 +357,6 @@ impl Row<'_> {
                     .chain(self.faces.into_iter().flatten())
                     .map(|index| Cell::Index(index.into())),
             )
-            .chain(nodes.map(|name| Cell::Name(name.unwrap_or_default())))
             .chain(contact)
     }
 }

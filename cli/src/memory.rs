@@ -1,15 +1,10 @@
-//! The memory that the process has had, and what it may have.
+//! The memory that the process has had.
 
 use memory_stats::memory_stats;
 
 /// The most bytes that were resident, where the system tells (Linux), else those that are.
 pub fn peak() -> usize {
     high_water_mark().or_else(|| Some(memory_stats()?.physical_mem)).unwrap_or(0)
-}
-
-/// The bytes that are free, where the system tells (Linux).
-pub fn available() -> Option<usize> {
-    kilobytes("/proc/meminfo", "MemAvailable:")
 }
 
 fn high_water_mark() -> Option<usize> {

@@ -1,7 +1,7 @@
 //! A sign of life on a terminal.
 
 use indicatif::ProgressBar;
-use pfront_cli::escape::escaped;
+use pfront_files::escape::escaped;
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;

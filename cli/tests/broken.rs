@@ -84,7 +84,7 @@ fn binaries() -> Vec<(String, Vec<u8>)> {
     ];
     let mut files: Vec<_> = named.map(|(name, bytes)| (name.to_owned(), bytes)).into();
     let mut rng = seeded(6);
-    for format in pfront_cli::mesh::FORMATS {
+    for format in pfront_files::FORMATS {
         for length in [1, 84, 4096] {
             let mut garbage = vec![0; length];
             rng.fill_bytes(&mut garbage);
@@ -112,7 +112,7 @@ fn broken_meshes_are_refused_by_every_command() {
 
 /// By every command that reads a mesh.
 fn refused(at: &Path, name: &str) {
-    for command in ["self", "self --weld --contacts", "any good.obj", "pairs good.obj"] {
+    for command in ["self", "self --weld=0 --contacts", "any good.obj", "pairs good.obj"] {
         refuses(at, &format!("{command} {name} {FEW}"), name);
     }
     refuses(at, &format!("pairs {name} good.obj --out hits.ply {FEW}"), name);

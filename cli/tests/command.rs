@@ -17,7 +17,6 @@ mod outside;
 #[path = "command/scene.rs"]
 mod scene;
 
-use pfront_cli::mesh;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -66,7 +65,9 @@ fn refused(folder: &Path, arguments: &str) -> String {
 #[test]
 fn the_demonstration() {
     let folder = folder();
-    let text = out(folder.path(), "");
+    let help = out(folder.path(), "");
+    assert!(help.contains("pfront demo") && help.contains("Exit codes"), "{help}");
+    let text = out(folder.path(), "demo");
     for part in ["64512 triangles, 120 frames", "808 to 956 pairs", "MiB", "one thread"] {
         assert!(text.contains(part), "no '{part}' in:\n{text}");
     }
@@ -81,7 +82,10 @@ fn pairs_in_every_format() {
         "         a          b\n         0          0\n         3          0\n2 pairs\n"
     );
     assert_eq!(out(at, "pairs a.obj b.obj --csv"), "a,b\n0,0\n3,0\n");
-    assert_eq!(out(at, "pairs a.obj b.obj --json"), "{\"pairs\":[[0,0],[3,0]]}\n");
+    let json = "{\"version\":1,\"files\":[{\"name\":\"a.obj\",\"vertices\":4,\"triangles\":4},\
+        {\"name\":\"b.obj\",\"vertices\":3,\"triangles\":1}],\"pairs\":[[0,0],[3,0]],\"count\":2}\n";
+    assert_eq!(out(at, "pairs a.obj b.obj --json"), json);
+    let version_1 = json;
     let csv = out(at, "pairs a.obj b.obj --csv --contacts");
     assert!(csv.starts_with("a,b,kind,x0,y0,z0,x1"), "{csv}");
     assert!(csv.lines().nth(1).unwrap().starts_with("0,0,crossing,0.2,"), "{csv}");
@@ -92,7 +96,7 @@ fn pairs_in_every_format() {
     // The extension tells the format, unless an option does.
     for (options, file, text) in [
         ("", "found.CSV", "a,b\n0,0\n3,0\n"),
-        ("", "found.json", "{\"pairs\":[[0,0],[3,0]]}\n"),
+        ("", "found.json", version_1),
         ("--csv", "found.txt", "a,b\n0,0\n3,0\n"),
     ] {
         assert_eq!(out(at, &format!("pairs a.obj b.obj {options} --out {file}")), "");
@@ -147,7 +151,7 @@ fn pictures() {
     let folder = folder();
     let at = folder.path();
     assert!(out(at, "pairs a.obj b.obj --out hits.ply").starts_with("2 pairs"));
-    let picture = mesh::read(&at.join("hits.ply")).unwrap();
+    let picture = pfront_files::read_f32(&at.join("hits.ply")).unwrap();
     assert_eq!((picture.positions.len(), picture.triangles.len()), (15, 5));
     assert!(out(at, "self a.obj --out hits.ply").starts_with("0 pairs"));
 }
@@ -181,11 +185,45 @@ fn within_one_mesh() {
             .concat()
         + "endsolid s\n";
     fs::write(at.join("soup.stl"), soup).unwrap();
-    let run = pfront(at, "self soup.stl --csv");
+    let run = pfront(at, "self soup.stl --csv --no-weld");
     assert_eq!(run.stdout, b"a,b\n0,1\n");
     let hint = String::from_utf8(run.stderr).unwrap();
-    assert!(hint.contains("2 of 6 vertices") && hint.contains("--weld"), "{hint}");
-    assert_eq!(out(at, "self soup.stl --csv --weld"), "a,b\n");
+    assert!(hint.contains("in 1 of 1 pairs") && hint.contains("--weld"), "{hint}");
+    for options in ["", "--weld", "--weld=0.1", "--weld 0.1"] {
+        let run = pfront(at, &format!("self {options} soup.stl --csv"));
+        assert!(run.status.success() && run.stdout == b"a,b\n", "{options}");
+    }
+    assert!(refused(at, "self soup.stl --weld=near").contains("not a distance"));
+    assert!(refused(at, "self soup.stl --weld --no-weld").contains("--no-weld"));
+    // Several files, each by itself.
+    assert_eq!(out(at, "self both.obj a.obj --csv"), "file,a,b\nboth.obj,0,4\nboth.obj,3,4\n");
+    let json = out(at, "self a.obj both.obj --json");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["pairs"][1], serde_json::json!({"file": "both.obj", "a": 3, "b": 4}));
+    assert_eq!((&json["count"], &json["files"][1]["triangles"]), (&2.into(), &5.into()));
+}
+
+#[test]
+fn a_script_may_ask_for_failure() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("both.obj"), TETRAHEDRON.to_owned() + &BLADE.replace("f 1 2 3", "f 5 6 7"))
+        .unwrap();
+    for (asked, code) in [
+        ("pairs a.obj b.obj", 1),
+        ("pairs a.obj b.obj --translate 9,9,9", 0),
+        ("self both.obj", 1),
+        ("self a.obj both.obj", 1),
+        ("self a.obj", 0),
+        ("scene a.obj b.obj", 1),
+        ("scene a.obj b.obj --ignore a b", 0),
+    ] {
+        let clear = pfront(at, asked);
+        assert_eq!(clear.status.code(), Some(0), "{asked}");
+        let run = pfront(at, &format!("{asked} --fail"));
+        assert_eq!(run.status.code(), Some(code), "{asked}");
+        assert_eq!(run.stdout, clear.stdout, "{asked}");
+    }
 }
 
 #[test]
@@ -198,7 +236,7 @@ fn refusals_say_what_and_where() {
     fs::write(at.join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (arguments, parts) in [
         ("pairs a.obj missing.obj", vec!["missing.obj"]),
-        ("pairs a.obj nan.obj", vec!["nan.obj, line 3", "vertex 2"]),
+        ("pairs a.obj nan.obj", vec!["nan.obj, line 3", "vertex 2 has a NaN"]),
         ("pairs a.obj bad.obj", vec!["bad.obj", "line 4"]),
         ("pairs a.obj short.tcw", vec!["short.tcw", "obj"]),
         ("pairs a.obj b.obj --threads 0", vec!["--threads", "must be 1 to", "at once"]),

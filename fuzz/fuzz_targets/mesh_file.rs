@@ -4,16 +4,21 @@
 
 use libfuzzer_sys::fuzz_target;
 use pfront::Model;
-use pfront_cli::mesh::{FORMATS, read_bytes};
+use pfront_files::{Contents, FORMATS, ReadOptions, read_bytes};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((&format, bytes)) = bytes.split_first() else { return };
     let format = FORMATS[usize::from(format) % FORMATS.len()];
-    if let Some(mesh) = read_bytes(format, bytes) {
-        let triangles = mesh.triangles.len();
-        let welded = mesh.clone().welded();
-        assert_eq!(welded.triangles.len(), triangles);
-        let is_mesh = Model::new(mesh.positions, mesh.triangles).is_ok();
-        assert_eq!(Model::new(welded.positions, welded.triangles).is_ok(), is_mesh);
+    let options = ReadOptions { format: Some(format.to_owned()), ..ReadOptions::default() };
+    match read_bytes(bytes, &options) {
+        Ok(Contents::Mesh(file)) => {
+            let mesh = file.mesh.into_f32();
+            let vertices = mesh.positions.len();
+            assert!(mesh.triangles.as_flattened().iter().all(|&v| (v as usize) < vertices));
+            let is_finite = mesh.positions.as_flattened().iter().all(|x| x.is_finite());
+            assert_eq!(Model::new(mesh.positions, mesh.triangles).is_ok(), is_finite);
+        }
+        Ok(Contents::Baked(bytes)) => drop(Model::from_blob(&bytes)),
+        Err(_) => {}
     }
 });

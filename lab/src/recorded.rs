@@ -4,7 +4,7 @@
 use crate::suite::{Body, Contacts, Site, Suite};
 use anyhow::{Context, Result};
 use pfront::{Model, Pose};
-use pfront_cli::mesh;
+use pfront_files::{TriangleMesh, read_f32};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -108,10 +108,8 @@ impl Library<'_> {
             return Ok(body.clone());
         }
         let path = self.folder.join(file);
-        let mesh = mesh::read(&path)?;
-        // The triangles of an STL file share no vertex by index.
-        let mesh = if file.ends_with(".stl") { mesh.welded() } else { mesh };
-        let body = Model::new(mesh.positions, mesh.triangles).map(Arc::new);
+        let TriangleMesh { positions, triangles } = read_f32(&path)?;
+        let body = Model::new(positions, triangles).map(Arc::new);
         let body = body.with_context(|| path.display().to_string())?;
         self.bodies.insert(file.to_owned(), body.clone());
         Ok(body)

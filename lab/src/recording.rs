@@ -3,7 +3,7 @@
 use crate::workload::{Frame, Header, Workload};
 use anyhow::{Context, Result, ensure};
 use pfront::Pose;
-use pfront_cli::mesh::{self, FORMATS};
+use pfront_files::{FORMATS, TriangleMesh, read_f32};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Kind, Scene};
 use std::ffi::OsStr;
@@ -60,8 +60,11 @@ impl Recording {
     }
 
     fn of_meshes(names: &str, frames: u32) -> Result<(Header, Self)> {
-        let meshes = names.split(',').map(|file| mesh::read(Path::new(file)));
-        let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+        let read = |file| {
+            let TriangleMesh { positions, triangles } = read_f32(Path::new(file))?;
+            anyhow::Ok(MeshData { positions, triangles })
+        };
+        let meshes = names.split(',').map(read).collect::<Result<Vec<_>>>()?;
         let is_alike = |two: &[MeshData]| {
             two[0].triangles == two[1].triangles && two[0].positions.len() == two[1].positions.len()
         };

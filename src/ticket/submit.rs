@@ -8,7 +8,7 @@ use std::sync::Arc;
 impl Executor {
     /// Has whatever `ask` asks asked in the background, and returns at once: a scene, a mesh that deforms, several questions one
     /// after the other. The queries go with it, and come back by the ticket with whatever it returns; they keep what they remember, so
-    /// that asking them again for what they have just found costs nothing. Whatever went with it is lost with a ticket that is dropped or
+    /// that asking them again for what they have just found costs nothing. They are lost with a ticket that is dropped or
     /// cancelled, and after a panic, which is [`Error::Panicked`].
     ///
     /// On threads, one of the pool begins, and queries of the same executor divide their frames among all of them. With a GPU that

@@ -1,15 +1,14 @@
-//! Meshes as plain arrays, as files and generators have them.
+//! Meshes as plain arrays.
 
 use crate::{Point, Triangle};
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
-use std::ops::Range;
+use std::collections::HashMap;
 
-/// An indexed triangle mesh, in f32 unless said otherwise: neither coordinates nor indices are checked.
+/// An indexed triangle mesh in f32: neither coordinates nor indices are checked.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData<P = Point> {
+pub struct MeshData {
     /// Vertex positions.
-    pub positions: Vec<P>,
+    pub positions: Vec<Point>,
     /// Three vertex indices per triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -45,14 +44,6 @@ impl MeshData {
         let center = (min + max) / 2.0;
         (center, points().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
-}
-
-impl<P: Place> MeshData<P> {
-    /// Adds a polygon as a fan around its first corner.
-    pub fn push_fan(&mut self, corners: &[u32]) {
-        let [first, rest @ ..] = corners else { return };
-        self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
-    }
 
     /// The same with vertices at exactly the same place joined, where −0 is 0; each stays where it first
     /// appears. Triangles keep their numbers. A mesh with an index out of range stays as it is.
@@ -70,8 +61,8 @@ impl<P: Place> MeshData<P> {
         }
         let mut seen = HashMap::with_capacity(self.positions.len());
         let mut positions = Vec::new();
-        let mut join = |p: P| {
-            *seen.entry(p.place()).or_insert_with(|| {
+        let mut join = |p: Point| {
+            *seen.entry(p.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
                 positions.push(p);
                 positions.len() as u32 - 1
             })
@@ -79,47 +70,5 @@ impl<P: Place> MeshData<P> {
         let joined: Vec<u32> = self.positions.into_iter().map(&mut join).collect();
         let triangles = self.triangles.into_iter().map(|t| t.map(|v| joined[v as usize]));
         Self { triangles: triangles.collect(), positions }
-    }
-
-    /// Some of the triangles, with the vertices from the first to the last that they use; an index out of range stays
-    /// so.
-    pub fn part(&self, triangles: Range<usize>) -> Self {
-        let part = &self.triangles[triangles];
-        let used = || part.iter().flatten().copied();
-        let first = used().min().unwrap_or(0);
-        let end = used().max().map_or(0, |last| last as usize + 1).min(self.positions.len());
-        let positions = self.positions.get(first as usize..end).unwrap_or_default().to_vec();
-        Self { positions, triangles: part.iter().map(|t| t.map(|v| v - first)).collect() }
-    }
-
-    /// How many vertices lie exactly where another does, if no two triangles share a vertex: neighbours within such a
-    /// soup are not known to be neighbours.
-    pub fn unwelded(&self) -> usize {
-        let mut used = vec![false; self.positions.len()];
-        let mut is_new =
-            |&v: &u32| used.get_mut(v as usize).is_some_and(|used| !std::mem::replace(used, true));
-        if self.triangles.len() < 2 || !self.triangles.iter().flatten().all(&mut is_new) {
-            return 0;
-        }
-        let places: HashSet<_> = self.positions.iter().map(P::place).collect();
-        self.positions.len() - places.len()
-    }
-}
-
-/// A position of a vertex.
-pub trait Place: Copy {
-    /// Its bits, those of 0 for −0.
-    fn place(&self) -> [u64; 3];
-}
-
-impl Place for Point {
-    fn place(&self) -> [u64; 3] {
-        self.map(|x| (x + 0.0).to_bits().into())
-    }
-}
-
-impl Place for [f64; 3] {
-    fn place(&self) -> [u64; 3] {
-        self.map(|x| (x + 0.0).to_bits())
     }
 }

@@ -4,7 +4,7 @@
 //! checkout; without it the tests fail.
 
 use pfront::{Pose, TrianglePair};
-use pfront_cli::mesh::ReadOptions;
+use pfront_files::{ReadOptions, TriangleMesh, open};
 use pfront_testkit::MeshData;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -53,9 +53,9 @@ pub(crate) const NASTY_PAIRS_IN_F64: [(&str, &str, u64); 2] =
 /// A file of `nasty/` as its decimals say.
 pub(crate) fn model_in_f64(file: &str) -> pfront::Model {
     let path = data().join("nasty").join(file);
-    let loaded = pfront_cli::mesh::load(&path, &ReadOptions::default()).unwrap();
-    let (mesh, _) = loaded.into_mesh();
-    pfront::Model::from_f64(mesh.positions, mesh.triangles).unwrap()
+    let contents = open(&path, &ReadOptions::default()).unwrap();
+    let TriangleMesh { positions, triangles } = contents.into_mesh(&path).unwrap().mesh;
+    pfront::Model::from_f64(positions, triangles).unwrap()
 }
 
 /// Pairs of files in `nasty/`.
@@ -91,7 +91,7 @@ pub(crate) const NASTY_SELVES: [&str; 12] = [
 ];
 
 pub(crate) fn mesh(file: &str) -> MeshData {
-    let read = pfront_cli::mesh::read(&data().join(file)).unwrap();
+    let read = pfront_files::read_f32(&data().join(file)).unwrap();
     MeshData { positions: read.positions, triangles: read.triangles }
 }
 

@@ -15,9 +15,12 @@ pub(crate) struct Listing {
     /// Also where they meet: a segment and the normals of both triangles, in the frame of the first mesh
     #[arg(long)]
     pub(crate) contacts: bool,
-    /// Also the faces of the files, from 0, and the glTF nodes that the triangles come from
+    /// Also the faces of the files, from 0, and the bodies of the files that the triangles come from
     #[arg(long)]
     pub(crate) source: bool,
+    /// Exit with code 1 if something intersects
+    #[arg(long)]
+    pub(crate) fail: bool,
     /// Write into a file: .json and .csv as by these options, .ply the meshes with the triangles that meet in red,
     /// .obj the curves in which they intersect; - is standard output
     #[arg(short, long, value_name = "FILE")]

@@ -2,10 +2,11 @@
 
 use super::{explain, two};
 use crate::args::TwoMeshes;
+use crate::listing::FileRow;
 use anyhow::Result;
 use pfront::PairQuery;
-use pfront_cli::escape::write_json;
 use pfront_cli::executor::ExecutorArgs;
+use pfront_cli::json::{VERSION, write_json};
 use pfront_cli::output::out;
 use serde_json::json;
 use std::io::Write;
@@ -15,7 +16,12 @@ pub(crate) fn run(meshes: &TwoMeshes, executor: &ExecutorArgs, as_json: bool) ->
     let [(a, _), (b, _)] = two(meshes, None)?;
     let found = query.any(&a, &b, meshes.a_from_b())?;
     if as_json {
-        write_json(&mut out(), &json!({ "pair": found.map(|p| [p.a, p.b]) }))?;
+        let files =
+            [(&meshes.a, &a), (&meshes.b, &b)].map(|(path, model)| FileRow::new(path, [model]));
+        write_json(
+            &mut out(),
+            &json!({ "version": VERSION, "files": files, "pair": found.map(|p| [p.a, p.b]) }),
+        )?;
     } else if let Some(pair) = found {
         writeln!(out(), "triangles {} and {} meet", pair.a, pair.b)?;
     } else {

@@ -1,15 +1,16 @@
 //! `pfront bake MESH`
 
-use super::{check_files, fits, in_file};
+use super::{advised, check_files, fits};
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result, ensure};
 use pfront::pfront_core::blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
-use pfront_cli::escape::{shown_path, write_json};
-use pfront_cli::mesh::{self, FileMesh, beyond_f32};
+use pfront_cli::json::{VERSION as JSON, write_json};
 use pfront_cli::output::{Draft, out};
+use pfront_files::escape::shown_path;
+use pfront_files::{MeshFile, TriangleMesh};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -21,9 +22,8 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     ensure!(path != Path::new("-"), "--out - is no file: bake writes one");
     check_files(&[&bake.mesh], Some(&path))?;
     let mesh = super::read(&bake.mesh, &bake.reading)?;
-    let (mesh, source) = mesh.into_mesh();
-    let mesh = if bake.weld { mesh.welded() } else { mesh };
-    let (bytes, counts) = baked(mesh, bake).map_err(|error| in_file(error, &bake.mesh, &source))?;
+    let MeshFile { mesh, .. } = mesh.into_mesh(&bake.mesh).map_err(advised)?;
+    let (bytes, counts) = baked(mesh, bake).with_context(|| shown_path(&bake.mesh))?;
     let mut to = Draft::new(&path)?;
     to.write_all(&bytes).with_context(|| format!("cannot write {}", path.display()))?;
     to.finish()?;
@@ -46,7 +46,10 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
         let bytes: BTreeMap<_, _> = sections.into_iter().collect();
         let counts = json!({ "triangles": triangles, "vertices": vertices, "nodes": nodes });
         let file = path.to_string_lossy();
-        write_json(&mut out, &json!({ "file": file, "counts": counts, "bytes": bytes }))?;
+        write_json(
+            &mut out,
+            &json!({ "version": JSON, "file": file, "counts": counts, "bytes": bytes }),
+        )?;
         return Ok(true);
     }
     writeln!(
@@ -62,14 +65,14 @@ pub(crate) fn run(bake: &Bake) -> Result<bool> {
     Ok(true)
 }
 
-fn baked(file: FileMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
+fn baked(file: TriangleMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let (positions, in_f32, mut shadow);
-    let mesh = if beyond_f32(&file) > 0 {
+    let mesh = if file.beyond_f32() > 0 {
         shadow = vec![[0.0; 3]; file.positions.len()];
         positions = file;
         Mesh::from_f64(&positions.positions, &positions.triangles, &mut shadow)?
     } else {
-        in_f32 = mesh::in_f32(file);
+        in_f32 = file.into_f32();
         Mesh::new(&in_f32.positions, &in_f32.triangles)?
     };
     let n = mesh.triangles().len();

@@ -1,16 +1,16 @@
-//! `pfront bench`, and `pfront` alone: frames of two meshes on every executor that this machine has.
+//! `pfront bench` and `pfront demo`: frames of two meshes on every executor that this machine has.
 
 use super::{check_files, model};
-use crate::args::Bench;
+use crate::args::{Bench, Reading};
 use anyhow::{Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion};
 use pfront::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
-use pfront_cli::escape::{escaped, write_json};
 use pfront_cli::executor::{Backend, adapter_name, number, threads};
+use pfront_cli::json::{VERSION, write_json};
 use pfront_cli::memory;
-use pfront_cli::mesh::ReadOptions;
 use pfront_cli::output::out;
+use pfront_files::escape::escaped;
 use pfront_testkit::scenes::Scene;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -22,6 +22,7 @@ use std::time::{Duration, Instant};
 /// The measurements of a course.
 #[derive(Serialize)]
 struct Record {
+    version: u32,
     name: String,
     triangles: usize,
     frames: usize,
@@ -54,7 +55,7 @@ struct Course {
 
 pub(crate) fn demo() -> Result<bool> {
     let frames = NonZero::<u32>::MIN.saturating_add(119);
-    let reading = ReadOptions::default();
+    let reading = Reading::default();
     run(&Bench {
         reading,
         meshes: Vec::new(),
@@ -70,7 +71,7 @@ pub(crate) fn demo() -> Result<bool> {
 pub(crate) fn run(bench: &Bench) -> Result<bool> {
     let frames = bench.frames.get() as usize;
     let clock = Instant::now();
-    let read = |path: &PathBuf| anyhow::Ok(model(path, false, &bench.reading, |_| ())?.0);
+    let read = |path: &PathBuf| anyhow::Ok(model(path, &bench.reading)?.0);
     let course = match &bench.meshes[..] {
         [a, b] => {
             check_files(&[a, b], None)?;
@@ -104,6 +105,7 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
     bar.finish_and_clear();
     let counts = || answers.iter().map(Vec::len);
     let record = Record {
+        version: VERSION,
         triangles: course.models.iter().map(|model| model.mesh().triangles().len()).sum(),
         frames,
         pairs: [counts().min(), counts().max()].map(Option::unwrap_or_default),

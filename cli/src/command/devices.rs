@@ -3,9 +3,10 @@
 use anyhow::Result;
 use pfront::gpu::wgpu::{Adapter, DeviceDescriptor, DeviceType, Features};
 use pfront::gpu::{Arithmetic, Gpu};
-use pfront_cli::escape::{escaped, write_json};
 use pfront_cli::executor::adapters;
+use pfront_cli::json::write_json;
 use pfront_cli::output::out;
+use pfront_files::escape::escaped;
 use serde::Serialize;
 use std::io::{self, Write};
 

@@ -8,19 +8,17 @@ pub(crate) mod pairs;
 pub(crate) mod scene;
 pub(crate) mod self_collision;
 
-use crate::args::TwoMeshes;
+use crate::args::{Reading, TwoMeshes};
 use crate::curve::AnyContact;
 use crate::listing::Hit;
 use crate::progress::shown;
-use anyhow::{Error, Result, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use pfront::executor::{Plan, Reason};
 use pfront::pfront_core::bvtt::Query;
-use pfront::{Model, TrianglePair};
-use pfront_cli::escape::{escaped, shown_path};
+use pfront::{Mesh, Model, TrianglePair};
 use pfront_cli::executor::ExecutorArgs;
-use pfront_cli::memory;
-use pfront_cli::mesh::{self, FileMesh, Loaded, ReadOptions, Source};
-use pfront_testkit::MeshData;
+use pfront_files::escape::{escaped, shown_path};
+use pfront_files::{Contents, MeshFile, ReadError, Remedy, Source, TriangleMesh, available, open};
 use std::path::Path;
 
 /// Checks that at most one of the meshes is standard input, and that the output replaces none of them.
@@ -42,82 +40,77 @@ fn check_files(meshes: &[&Path], out: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Reads a mesh, welds it if asked to, and builds its BVH, unless it was baked with one. `inspect` sees the mesh as it
-/// was read.
-fn model(
-    path: &Path,
-    weld: bool,
-    options: &ReadOptions,
-    inspect: impl FnOnce(&FileMesh),
-) -> Result<(Model, Source)> {
-    shown(format!("reading {}", path.display()), || match read(path, options)? {
-        Loaded::Baked(model) if !weld => Ok((*model, Source::default())),
-        loaded => {
-            let (mesh, source) = loaded.into_mesh();
-            inspect(&mesh);
-            let mesh = if weld { mesh.welded() } else { mesh };
-            Ok((built(mesh, path, &source)?, source))
-        }
+/// Reads a mesh and builds its BVH, unless it was baked with one.
+fn model(path: &Path, reading: &Reading) -> Result<(Model, Source)> {
+    shown(format!("reading {}", path.display()), || match read(path, reading)? {
+        Contents::Baked(bytes) => Ok((baked(&bytes, path)?, Source::default())),
+        Contents::Mesh(MeshFile { mesh, source, .. }) => Ok((built(mesh, path)?, source)),
     })
 }
 
 /// Reads the two meshes of a question, which the output must not replace.
 fn two(meshes: &TwoMeshes, out: Option<&Path>) -> Result<[(Model, Source); 2]> {
     check_files(&[&meshes.a, &meshes.b], out)?;
-    let read = |path: &Path| model(path, false, &meshes.reading, |_| ());
+    let read = |path: &Path| model(path, &meshes.reading);
     Ok([read(&meshes.a)?, read(&meshes.b)?])
 }
 
-/// Reads a mesh. Standard error tells how many coordinates it loses digits of; in f64 it loses none.
-fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
-    let loaded = mesh::load(path, options)?;
-    if let Loaded::Mesh(mesh, Source { rounded: rounded @ 1.., .. }) = &loaded {
-        let (path, all) = (shown_path(path), 3 * mesh.positions.len());
-        eprintln!(
-            "{path}: {rounded} of {all} coordinates were rounded to f32; the answer is exact for what they became"
-        );
+/// Reads a mesh file, whose notes go to standard error.
+fn read(path: &Path, reading: &Reading) -> Result<Contents> {
+    let contents = open(path, &reading.options()).map_err(advised)?;
+    if let Contents::Mesh(MeshFile { notes, .. }) = &contents {
+        let path = shown_path(path);
+        notes.iter().for_each(|note| eprintln!("{path}: {}", escaped(note)));
     }
-    Ok(loaded)
+    Ok(contents)
 }
 
-/// Builds a model, in f64 if f32 does not hold every coordinate. The error names the file, and the line of a coordinate that
-/// is not finite.
-fn built(mesh: FileMesh, path: &Path, source: &Source) -> Result<Model> {
-    let model = if mesh::beyond_f32(&mesh) > 0 {
+/// The error with the option that may help.
+fn advised(error: ReadError) -> Error {
+    let advice = match error.remedy() {
+        None => return error.into(),
+        Some(Remedy::Format) => "see --input-format if its format is another",
+        Some(Remedy::Memory) => "--memory lets it take more",
+        Some(Remedy::OutsideFiles) => "see --allow-outside-files",
+    };
+    anyhow!("{error}; {advice}")
+}
+
+/// A baked model.
+fn baked(bytes: &[u8], path: &Path) -> Result<Model> {
+    Model::from_blob(bytes).with_context(|| shown_path(path))
+}
+
+/// Builds a model, in f64 if f32 does not hold every coordinate.
+fn built(mesh: TriangleMesh, path: &Path) -> Result<Model> {
+    let model = if mesh.beyond_f32() > 0 {
         Model::from_f64(mesh.positions, mesh.triangles)
     } else {
-        let MeshData { positions, triangles } = mesh::in_f32(mesh);
+        let TriangleMesh { positions, triangles } = mesh.into_f32();
         Model::new(positions, triangles)
     };
-    model.map_err(|error| in_file(error.into(), path, source))
+    model.with_context(|| path.display().to_string())
 }
 
-fn in_file(error: Error, path: &Path, source: &Source) -> Error {
-    let path = path.display();
-    match source.out_of_range {
-        Some(line) => error.context(format!("{path}, line {line} (vertices count from 0)")),
-        None => error.context(path.to_string()),
-    }
-}
-
-/// Checks that a list of so many hits fits into memory, before it is asked for.
-fn list_fits(hits: u64, bytes: usize, options: &ReadOptions) -> Result<()> {
+/// Checks that a list of so many hits, which is there already, takes no more memory than is allowed.
+fn list_fits(hits: usize, bytes: usize, reading: &Reading) -> Result<()> {
+    let Some(most) = reading.memory else { return Ok(()) };
     // A list grows to twice its length, while the old half is still there.
-    let demand = usize::try_from(hits).unwrap_or(usize::MAX).saturating_mul(3 * bytes);
-    fits(format!("{hits} pairs meet, whose list"), demand, options)
+    let demand = hits.saturating_mul(3 * bytes);
+    ensure!(demand <= most, too_much(&format!("{hits} pairs meet, whose list"), demand, most));
+    Ok(())
+}
+
+fn too_much(what: &str, demand: usize, most: usize) -> String {
+    let [demand, most] = [demand, most].map(|bytes| bytes.div_ceil(1_000_000));
+    format!("{what} takes {demand} MB, and {most} are allowed: see --memory")
 }
 
 /// Checks that what takes so many bytes fits into memory, before it is begun.
-fn fits(what: String, demand: usize, options: &ReadOptions) -> Result<()> {
-    let most = options.memory.or_else(memory::available).unwrap_or(usize::MAX);
-    let megabytes = |bytes: usize| bytes.div_ceil(1_000_000);
+fn fits(what: String, demand: usize, reading: &Reading) -> Result<()> {
+    let most = reading.memory.or_else(available).unwrap_or(usize::MAX);
     let has_room = || Vec::<u8>::new().try_reserve_exact(demand).is_ok();
-    ensure!(
-        demand <= most && has_room(),
-        "{what} takes {} MB, and {} are allowed: see --memory",
-        megabytes(demand),
-        megabytes(most)
-    );
+    ensure!(demand <= most && has_room(), too_much(&what, demand, most));
     Ok(())
 }
 
@@ -149,4 +142,21 @@ fn explain(executor: &ExecutorArgs, plan: Option<&Plan>) {
             _ => eprintln!("{}", escaped(&plan.to_string())),
         }
     }
+}
+
+/// How many pairs of triangles share a position, and no vertex.
+fn unshared(mesh: Mesh<'_>, pairs: &[TrianglePair]) -> usize {
+    let triangles = mesh.triangles();
+    let place = |v: u32| match mesh.positions_f64() {
+        Some(positions) => positions[v as usize],
+        None => mesh.shadow()[v as usize].map(f64::from),
+    };
+    let is_unshared = |pair: &&TrianglePair| {
+        let [a, b] = [pair.a, pair.b].map(|t| triangles[t as usize]);
+        a.iter().all(|v| !b.contains(v)) && {
+            let [a, b] = [a, b].map(|t| t.map(place));
+            a.iter().any(|p| b.contains(p))
+        }
+    };
+    pairs.iter().filter(is_unshared).count()
 }

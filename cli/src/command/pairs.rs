@@ -2,7 +2,7 @@
 
 use super::{explain, hits, list_fits, two};
 use crate::args::{Listing, TwoMeshes};
-use crate::listing::{Found, Kind, Origin};
+use crate::listing::{FileRow, Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
 use pfront::{PairQuery, Pose, TrianglePair};
@@ -13,19 +13,19 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
     let mut query = PairQuery::new().on(&executor.open()?);
     let [(a, source_a), (b, source_b)] = two(meshes, listing.file())?;
     let a_from_b = meshes.a_from_b();
-    let pairs = shown("asking which triangles meet".to_owned(), || {
-        list_fits(query.count(&a, &b, a_from_b)?, size_of::<TrianglePair>(), &meshes.reading)?;
-        anyhow::Ok(query.all(&a, &b, a_from_b)?)
-    })?;
+    let pairs = shown("asking which triangles meet".to_owned(), || query.all(&a, &b, a_from_b))?;
+    list_fits(pairs.len(), size_of::<TrianglePair>(), &meshes.reading)?;
     let bvtt = a_from_b.pair([a.bvh(), b.bvh()])?;
     let is_f64 = a.is_f64() || b.is_f64() || a_from_b.is_f64();
     let origins = [&source_a, &source_b].map(Origin::of_file);
     let found = Found {
+        files: vec![FileRow::new(&meshes.a, [&a]), FileRow::new(&meshes.b, [&b])],
         origins: &origins,
         kind: Kind::Pairs,
         hits: hits(pairs, [0, 1], contacts, is_f64, &bvtt),
     };
+    let is_clear = !listing.fail || pairs.is_empty();
     found.write(listing, &[(a.mesh(), Pose::IDENTITY.into()), (b.mesh(), a_from_b)])?;
     explain(executor, query.plan());
-    Ok(true)
+    Ok(is_clear)
 }

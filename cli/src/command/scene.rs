@@ -1,27 +1,29 @@
 //! `pfront scene MESH…`
 
-use super::{built, check_files, explain, list_fits, read};
+use super::{baked, built, check_files, explain, list_fits, read};
 use crate::args::Scene;
 use crate::curve::AnyContact;
-use crate::listing::{Found, Hit, Kind, Origin};
+use crate::listing::{FileRow, Found, Hit, Kind, Origin};
 use crate::progress::shown;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use pfront::{Model, Pose, SceneHit, SceneQuery};
-use pfront_cli::mesh::{Loaded, Source, name_apart};
+use pfront_files::escape::escaped;
+use pfront_files::{Contents, MeshFile, Source, name_apart};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use wildmatch::WildMatch;
 
 /// A body before it is in a scene.
 struct Part {
     name: String,
     model: Model,
-    /// Number of its file, and the first of its triangles there.
+    /// Number of its file, and its triangles there, unless it has all.
     file: usize,
-    first: u32,
+    triangles: Option<Vec<u32>>,
 }
 
 pub(crate) fn run(asked: &Scene) -> Result<bool> {
-    let Scene { meshes, ignore, bodies, reading, listing, executor } = asked;
+    let Scene { meshes, ignore, ignore_file, bodies, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
     if *bodies {
         let format = listing.format()?;
@@ -36,10 +38,18 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         sources.push(split(loaded, path, name, sources.len(), &mut parts)?);
     }
     name_apart(parts.iter_mut().map(|part| &mut part.name));
+    if let [only] = &parts[..] {
+        eprintln!(
+            "there is one body, {}, which has nothing to meet: for that see pfront self",
+            escaped(&only.name)
+        );
+    }
     let (mut ids, mut origins, mut files) = (Vec::new(), Vec::new(), Vec::new());
-    for Part { name, model, file, first } in parts {
+    let mut rows: Vec<_> = meshes.iter().map(|path| FileRow::new(path, [])).collect();
+    for Part { name, model, file, triangles } in parts {
+        rows[file].add(&model);
         ids.push(scene.add(Arc::new(model), Pose::IDENTITY).with_context(|| name.clone())?);
-        origins.push(Origin { name, source: &sources[file], first });
+        origins.push(Origin { name, source: &sources[file], triangles });
         files.push(&meshes[file]);
     }
     // A body by its name, or else by the path, name or stem of its file.
@@ -56,16 +66,36 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         if let Some(exact) = origins.iter().position(|origin| origin.name == *name) {
             found = vec![exact];
         }
+        if found.is_empty() && name.contains(['*', '?']) {
+            let pattern = WildMatch::new(name);
+            let is_alike = |body: &usize| pattern.matches(&origins[*body].name);
+            found = all.iter().copied().filter(is_alike).collect();
+            if !found.is_empty() {
+                return Ok(found);
+            }
+        }
         match found[..] {
-            [body] => Ok(ids[body]),
+            [body] => Ok(vec![body]),
             [] => bail!("there is no body {name}; there are {}", names(&all)),
             _ => bail!("{name} can be any of {}", names(&found)),
         }
     };
-    for two in ignore.chunks_exact(2) {
-        let [a, b] = [named(&two[0])?, named(&two[1])?];
-        ensure!(a != b, "--ignore {} {}: that is one body, and two are needed", two[0], two[1]);
-        scene.ignore(a, b, true)?;
+    let mut ignored: Vec<_> =
+        ignore.chunks_exact(2).map(|two| [&two[0], &two[1]].map(String::clone)).collect();
+    if let Some(path) = ignore_file {
+        ignored.extend(ignored_by(path)?);
+    }
+    for [first, second] in &ignored {
+        let [a, b] = [named(first)?, named(second)?];
+        ensure!(
+            a.len() > 1 || a != b,
+            "--ignore {first} {second}: that is one body, and two are needed"
+        );
+        for two in a.iter().flat_map(|&a| b.iter().map(move |&b| [a, b])) {
+            if two[0] != two[1] {
+                scene.ignore(ids[two[0]], ids[two[1]], true)?;
+            }
+        }
     }
 
     let is_f64 = scene.bodies().any(|body| body.model().is_f64());
@@ -73,8 +103,8 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         size_of::<SceneHit>() + if contacts { size_of::<(SceneHit, AnyContact)>() } else { 0 };
     let with_contacts: Vec<(SceneHit, AnyContact)> =
         shown("asking which bodies meet".to_owned(), || {
-            list_fits(scene.count()?, of_hit, reading)?;
             scene.update()?;
+            list_fits(scene.hits().len(), of_hit, reading)?;
             anyhow::Ok(match (contacts, is_f64) {
                 (false, _) => Vec::new(),
                 (true, false) => {
@@ -90,7 +120,9 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
     let place = |id| ids.binary_search(&id).unwrap_or_else(|place| place);
     let hit =
         |hit: &SceneHit, contact| Hit { origins: hit.bodies.map(place), pair: hit.pair, contact };
+    let is_clear = !listing.fail || scene.hits().is_empty();
     let found = Found {
+        files: rows,
         origins: &origins,
         kind: if *bodies { Kind::Bodies } else { Kind::Scene },
         hits: match contacts {
@@ -101,7 +133,24 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
     let posed: Vec<_> = scene.bodies().map(|body| (body.model().mesh(), body.pose())).collect();
     found.write(listing, &posed)?;
     explain(executor, scene.plan());
-    Ok(true)
+    Ok(is_clear)
+}
+
+/// The bodies that the first two columns of a CSV file name, without its titles.
+fn ignored_by(path: &Path) -> Result<Vec<[String; 2]>> {
+    let named = || format!("cannot read {}", path.display());
+    let mut file = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_path(path);
+    let rows = file.as_mut().map_err(|error| anyhow!("{}: {error}", named()))?.records();
+    let mut all = Vec::new();
+    for row in rows {
+        let row = row.with_context(named)?;
+        match (row.get(0), row.get(1)) {
+            (Some("body_a"), Some("body_b")) => {}
+            (Some(a), Some(b)) => all.push([a.to_owned(), b.to_owned()]),
+            _ => bail!("{}: a line does not name two bodies", path.display()),
+        }
+    }
+    Ok(all)
 }
 
 /// The name of a file, with its folder if another of the files has the same.
@@ -114,28 +163,27 @@ fn body_name(path: &Path, files: &[PathBuf]) -> String {
 
 /// Adds the bodies of a file, which has the name if it is one body.
 fn split(
-    loaded: Loaded,
+    loaded: Contents,
     path: &Path,
     name: String,
     file: usize,
     parts: &mut Vec<Part>,
 ) -> Result<Source> {
     let (mesh, source) = match loaded {
-        Loaded::Baked(model) => {
-            parts.push(Part { name, model: *model, file, first: 0 });
+        Contents::Baked(bytes) => {
+            parts.push(Part { name, model: baked(&bytes, path)?, file, triangles: None });
             return Ok(Source::default());
         }
-        Loaded::Mesh(mesh, source) => (mesh, source),
+        Contents::Mesh(MeshFile { mesh, source, .. }) => (mesh, source),
     };
-    let mut nodes: Vec<_> = source.nodes().map(|(name, first)| (name.to_owned(), first)).collect();
-    if nodes.is_empty() {
-        nodes.push((name, 0));
+    let bodies = source.bodies();
+    if bodies.len() < 2 {
+        parts.push(Part { name, model: built(mesh, path)?, file, triangles: None });
+        return Ok(source);
     }
-    let ends = nodes.iter().skip(1).map(|(_, first)| *first as usize).collect::<Vec<_>>();
-    let ends = ends.into_iter().chain([mesh.triangles.len()]);
-    for ((name, first), end) in nodes.iter().zip(ends) {
-        let model = built(mesh.part(*first as usize..end), path, &source)?;
-        parts.push(Part { name: name.clone(), model, file, first: *first });
+    for (name, triangles) in bodies.iter().zip(source.triangles(mesh.triangles.len())) {
+        let model = built(mesh.part(&triangles), path)?;
+        parts.push(Part { name: name.clone(), model, file, triangles: Some(triangles) });
     }
     Ok(source)
 }

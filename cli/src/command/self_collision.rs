@@ -1,46 +1,63 @@
-//! `pfront self MESH`
+//! `pfront self MESH…`
 
-use super::{check_files, explain, hits, list_fits, model};
+use super::{check_files, explain, hits, list_fits, model, unshared};
 use crate::args::SelfCollision;
-use crate::listing::{Found, Kind, Origin};
+use crate::listing::{FileRow, Found, Kind, Origin};
 use crate::progress::shown;
 use anyhow::Result;
 use pfront::pfront_core::bvtt::SelfBvtt;
 use pfront::{Adjacency, Pose, SelfQuery, TrianglePair};
-use pfront_cli::escape::shown_path;
+use pfront_files::escape::shown_path;
+use std::path::PathBuf;
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
-    let SelfCollision { mesh: path, weld, skip_neighbours, reading, listing, executor } = asked;
+    let SelfCollision { meshes, skip_neighbours, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
-    check_files(&[path], listing.file())?;
+    check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
     let adjacency = match skip_neighbours {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
     let query = SelfQuery::new().with_adjacency(adjacency);
     let mut query = query.on(&executor.open()?);
-    let (mut joined, mut vertices) = (0, 0);
-    let (model, source) = model(path, *weld, reading, |mesh| {
-        (joined, vertices) = (mesh.unwelded(), mesh.positions.len());
-    })?;
-    if joined > 0 && !weld {
-        let path = shown_path(path);
-        eprintln!(
-            "{path}: no two triangles share a vertex, but {joined} of {vertices} vertices lie where another does, so \
-             that neighbours meet: did you mean --weld?"
-        );
+    let mut read = Vec::new();
+    for path in meshes {
+        let (model, source) = model(path, reading)?;
+        let what = format!("asking which triangles of {} meet", path.display());
+        let pairs = shown(what, || query.all(&model).map(<[_]>::to_vec))?;
+        list_fits(pairs.len(), size_of::<TrianglePair>(), reading)?;
+        let alone = unshared(model.mesh(), &pairs);
+        if 2 * alone > pairs.len() {
+            eprintln!(
+                "{}: in {alone} of {} pairs the triangles share a position, but no vertex: did you mean --weld?",
+                shown_path(path),
+                pairs.len()
+            );
+        }
+        read.push((model, source, pairs));
     }
-    let pairs = shown("asking which triangles meet".to_owned(), || {
-        list_fits(query.count(&model)?, size_of::<TrianglePair>(), reading)?;
-        anyhow::Ok(query.all(&model)?)
-    })?;
-    let bvtt = SelfBvtt::new(model.bvh());
+    let name = |path: &PathBuf| path.display().to_string();
+    let origins: Vec<_> = (read.iter().zip(meshes))
+        .map(|((_, source, _), path)| Origin { name: name(path), ..Origin::of_file(source) })
+        .collect();
+    let bvtts: Vec<_> = read.iter().map(|(model, ..)| SelfBvtt::new(model.bvh())).collect();
+    let of_files = read.iter().zip(&bvtts).enumerate().map(|(file, ((model, _, pairs), bvtt))| {
+        hits(pairs, [file; 2], contacts, model.is_f64(), bvtt)
+    });
     let found = Found {
-        origins: &[Origin::of_file(&source)],
-        kind: Kind::Pairs,
-        hits: hits(pairs, [0, 0], contacts, model.is_f64(), &bvtt),
+        files: read
+            .iter()
+            .zip(meshes)
+            .map(|((model, ..), path)| FileRow::new(path, [model]))
+            .collect(),
+        origins: &origins,
+        kind: if meshes.len() > 1 { Kind::Files } else { Kind::Pairs },
+        hits: Box::new(of_files.flatten()),
     };
-    found.write(listing, &[(model.mesh(), Pose::IDENTITY.into())])?;
+    let is_clear = !listing.fail || read.iter().all(|(.., pairs)| pairs.is_empty());
+    let posed: Vec<_> =
+        read.iter().map(|(model, ..)| (model.mesh(), Pose::IDENTITY.into())).collect();
+    found.write(listing, &posed)?;
     explain(executor, query.plan());
-    Ok(true)
+    Ok(is_clear)
 }

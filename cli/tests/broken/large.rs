@@ -21,7 +21,7 @@ fn sparse(at: &Path, name: &str, head: &[u8], bytes: u64) {
 fn a_file_is_refused_by_its_head() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    for format in pfront_cli::mesh::FORMATS {
+    for format in pfront_files::FORMATS {
         let name = format!("zeros.{format}");
         sparse(at, &name, &[], 2 * GB);
         let error = run_within(at, &format!("self {name} --threads 1"), MIB).unwrap_err();

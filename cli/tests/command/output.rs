@@ -24,7 +24,9 @@ fn every_command_speaks_json() {
     assert_eq!(baked["counts"]["triangles"], 4);
     assert_eq!(json(at, "bench a.obj b.obj --frames 2")["frames"], 2);
     let no = command(at, "any a.obj b.obj --translate 9,9,9 --json").output().unwrap();
-    assert_eq!((no.status.code(), &no.stdout[..]), (Some(1), &b"{\"pair\":null}\n"[..]));
+    let json: serde_json::Value = serde_json::from_slice(&no.stdout).unwrap();
+    assert_eq!((no.status.code(), &json["pair"]), (Some(1), &serde_json::Value::Null));
+    assert_eq!((&json["version"], &json["files"][0]["name"]), (&1.into(), &"a.obj".into()));
 }
 
 #[test]
@@ -60,6 +62,15 @@ fn completions_know_the_commands() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = out(folder.path(), &format!("completions {shell}"));
         assert!(script.contains("scene") && script.contains("ignore"), "{shell}");
+    }
+}
+
+#[test]
+fn the_manual_has_every_command() {
+    let folder = folder();
+    let page = out(folder.path(), "man");
+    for part in [".TH pfront", "PFRONT PAIRS", "PFRONT COMPLETIONS", "ignore", "Exit codes"] {
+        assert!(page.contains(part), "no {part} in {page}");
     }
 }
 

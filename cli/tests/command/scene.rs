@@ -1,7 +1,6 @@
 //! `pfront scene`: bodies of several files, and of the nodes of one.
 
 use super::{folder, out, refused};
-use pfront_cli::mesh;
 use std::fs;
 
 /// Three nodes that place one triangle: upright through the second is the first, the third is apart.
@@ -46,13 +45,16 @@ fn nodes_are_bodies() {
     let json = out(at, "scene room.gltf --json --contacts --source");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let hit = &json["contacts"][0];
-    assert_eq!((&hit["kind"], &hit["nodes"][1]), (&"crossing".into(), &"Wall, old".into()));
+    assert_eq!((&hit["kind"], &hit["bodies"][1]), (&"crossing".into(), &"Wall, old".into()));
     let y = hit["segment"][0][1].as_f64().unwrap();
     assert!((y - 0.1).abs() < 1e-6, "{json}");
     assert!(out(at, "scene room.gltf --out room.ply").starts_with("1 pair;"));
     let marks = fs::read(at.join("room.ply")).unwrap();
     let red = marks.windows(3).filter(|colour| *colour == [214, 40, 40]).count();
-    assert_eq!((red, mesh::read(&at.join("room.ply")).unwrap().triangles.len()), (6, 3));
+    assert_eq!(
+        (red, pfront_files::read_f32(&at.join("room.ply")).unwrap().triangles.len()),
+        (6, 3)
+    );
     for backend in ["gpu --f32", "cpu --threads 2"] {
         assert_eq!(out(at, &format!("scene room.gltf --csv --backend {backend}")), csv);
     }
@@ -73,6 +75,49 @@ fn two_bodies_are_ignored() {
         both.lines().skip(1).all(|line| line.contains("obj") && !line.contains("a.obj,b.obj")),
         "{both}"
     );
+}
+
+#[test]
+fn bodies_are_ignored_by_patterns_and_by_a_file() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("room.gltf"), ROOM).unwrap();
+    for ignored in ["--ignore Do* Wall*", "--ignore * *", "--ignore ?oor Wall,?old"] {
+        let rest = out(at, &format!("scene room.gltf --csv {ignored}"));
+        assert_eq!(rest, "body_a,body_b,a,b\n", "{ignored}");
+    }
+    assert!(refused(at, "scene room.gltf --ignore Do* Floor*").contains("no body Floor*"));
+    // A list of what meets now is one of what to leave out.
+    out(at, "scene room.gltf a.obj b.obj --bodies --out known.csv");
+    let rest = out(at, "scene room.gltf a.obj b.obj --csv --ignore-file known.csv");
+    assert_eq!(rest, "body_a,body_b,a,b\n");
+    fs::write(at.join("known.csv"), "Door\n").unwrap();
+    let error = refused(at, "scene room.gltf --ignore-file known.csv");
+    assert!(error.contains("known.csv: a line does not name two bodies"), "{error}");
+    assert!(refused(at, "scene room.gltf --ignore-file no.csv").contains("cannot read no.csv"));
+}
+
+#[test]
+fn one_body_alone_is_told() {
+    let folder = folder();
+    let run = super::pfront(folder.path(), "scene a.obj --csv");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.success() && told.contains("there is one body, a.obj"), "{told}");
+}
+
+#[test]
+fn objects_of_one_file_are_bodies() {
+    let folder = folder();
+    let at = folder.path();
+    let blade = super::BLADE.replace("f 1 2 3", "f 5 6 7");
+    let both = format!("o cone\n{}o blade\n{blade}", super::TETRAHEDRON);
+    fs::write(at.join("both.obj"), &both).unwrap();
+    let rows = "body_a,body_b,a,b\ncone,blade,0,0\ncone,blade,3,0\n";
+    assert_eq!(out(at, "scene both.obj --csv"), rows);
+    // To others the file is one mesh.
+    assert_eq!(out(at, "self both.obj --csv"), "a,b\n0,4\n3,4\n");
+    let source = out(at, "scene both.obj --csv --source");
+    assert_eq!(source.lines().nth(2), Some("cone,blade,3,0,3,4"));
 }
 
 #[test]
@@ -110,7 +155,11 @@ fn bodies_that_meet_are_counted() {
         "body_a body_b      pairs\na.obj  b.obj           2\n1 pair of bodies\n"
     );
     let json = out(at, "scene a.obj b.obj --bodies --json");
-    assert_eq!(json, "{\"bodies\":[{\"bodies\":[\"a.obj\",\"b.obj\"],\"pairs\":2}]}\n");
+    assert!(
+        json.ends_with(
+            "\"bodies\":[{\"bodies\":[\"a.obj\",\"b.obj\"],\"pairs\":2}],\"count\":1}\n"
+        )
+    );
     for options in ["--out hits.ply", "--out curve.obj", "--contacts", "--source"] {
         let error = refused(at, &format!("scene a.obj b.obj --bodies {options}"));
         assert!(error.contains("--bodies"), "{error}");

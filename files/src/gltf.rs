@@ -1,0 +1,161 @@
+//! glTF and GLB, through `gltf`: the triangles of all meshes of the default scene (or of the first), placed by their nodes and
+//! instances, in f64, in the pose of the file: morph targets by their weights, skins by their joints. Strips and fans
+//! become triangles; points and lines are passed over.
+
+mod accessor;
+mod checked;
+mod pose;
+
+use crate::budget;
+use crate::error::Fault;
+use crate::folder::Folder;
+use crate::import::Import;
+use checked::Buffers;
+use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
+use gltf::mesh::{Mode, Semantic};
+use gltf::scene::Transform;
+use gltf::{Document, Gltf, Node, Primitive};
+use pose::Pose;
+use std::collections::HashSet;
+
+pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> Result<(), Fault> {
+    import.is_split = true;
+    let Gltf { document, blob } = checked::document(bytes, import)?;
+    let buffers = Buffers::load(&document, blob, folder, &mut import.budget)?;
+    let document = &document;
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let roots: Vec<_> = match scene {
+        Some(scene) => scene.nodes().collect(),
+        None => {
+            import.notes.push("there is no scene: all nodes are read".to_owned());
+            let children = document.nodes().flat_map(|node| node.children());
+            let children: HashSet<_> = children.map(|child| child.index()).collect();
+            document.nodes().filter(|node| !children.contains(&node.index())).collect()
+        }
+    };
+
+    // A small file may place a mesh any number of times: what is asked for is counted before it is read.
+    let mut bytes = 0;
+    let mut worlds = vec![None; document.nodes().len()];
+    let mut others = 0;
+    walk(document, &roots, |node, world| {
+        worlds[node.index()] = Some(*world);
+        let times = pose::instances_count(node, document)?;
+        for primitive in node.mesh().into_iter().flat_map(|mesh| mesh.primitives()) {
+            if !is_of_triangles(&primitive) {
+                others += 1;
+                continue;
+            }
+            bytes = demand(&primitive).saturating_mul(times).saturating_add(bytes);
+            import.budget.check(bytes)?;
+        }
+        Ok(())
+    })?;
+    if others > 0 {
+        import.notes.push(format!("points and lines are passed over: {others} primitives"));
+    }
+    walk(document, &roots, |node, world| {
+        let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
+        let pose = Pose::new(node, &worlds, &buffers, &import.budget)?;
+        for instance in pose::instances(node, document, &buffers, &import.budget)? {
+            import.begin_body(name.clone())?;
+            let world = if pose.is_skinned() { instance } else { *world * instance };
+            let primitives = node.mesh().into_iter().flat_map(|mesh| mesh.primitives());
+            for primitive in primitives.filter(is_of_triangles) {
+                push(import, &primitive, &buffers, &world, &pose)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Calls `visit` for all nodes below some, children after their parent, with `world_from_node`.
+fn walk<'d>(
+    document: &'d Document,
+    roots: &[Node<'d>],
+    mut visit: impl FnMut(&Node<'d>, &DMat4) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let mut pending: Vec<_> =
+        roots.iter().rev().map(|node| (node.clone(), DMat4::IDENTITY)).collect();
+    let mut left = document.nodes().count();
+    while let Some((node, above)) = pending.pop() {
+        left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is below two others"))?;
+        let world = above * transform(&node);
+        visit(&node, &world)?;
+        let first = pending.len();
+        pending.extend(node.children().map(|child| (child, world)));
+        pending[first..].reverse();
+    }
+    Ok(())
+}
+
+fn is_of_triangles(primitive: &Primitive<'_>) -> bool {
+    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// The bytes that a primitive takes while it is read.
+fn demand(primitive: &Primitive<'_>) -> usize {
+    let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+    let corners = primitive.indices().map_or(vertices, |indices| indices.count());
+    let triangles = if primitive.mode() == Mode::Triangles { corners / 3 } else { corners };
+    budget::demand(vertices, triangles)
+}
+
+fn transform(node: &Node<'_>) -> DMat4 {
+    match node.transform() {
+        Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix).as_dmat4(),
+        Transform::Decomposed { translation, rotation, scale } => {
+            let rotation: DQuat = Quat::from_array(rotation).as_dquat().normalize();
+            let [scale, translation] = [scale, translation].map(|v| Vec3::from(v).as_dvec3());
+            DMat4::from_scale_rotation_translation(scale, rotation, translation)
+        }
+    }
+}
+
+fn push(
+    import: &mut Import,
+    primitive: &Primitive<'_>,
+    buffers: &Buffers,
+    world: &DMat4,
+    pose: &Pose,
+) -> Result<(), Fault> {
+    let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
+    let budget = &import.budget;
+    let mut positions = accessor::positions(&accessor, buffers, budget)?;
+    pose.apply(primitive, &mut positions, buffers, budget)?;
+    let in_f32 = import.source.in_f32;
+    let mesh = &mut import.mesh;
+    let first = mesh.positions.len() as u32;
+    // Positions that no node moves stay the same to the bit.
+    let moves = *world != DMat4::IDENTITY;
+    let place = |p: [f64; 3]| {
+        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
+        if in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
+    };
+    mesh.positions.extend(positions.into_iter().map(place));
+    let end = mesh.positions.len() as u32;
+
+    let corners: Vec<u32> = match primitive.indices() {
+        Some(indices) => {
+            let indices = accessor::indices(&indices, buffers, budget)?;
+            indices.into_iter().map(|[i]| first.saturating_add(i as u32)).collect()
+        }
+        None => (first..end).collect(),
+    };
+    if let Some(stray) = corners.iter().find(|&&corner| corner >= end) {
+        let (stray, all) = (stray - first, end - first);
+        return Err(Fault::broken(format!("there is no vertex {stray} among {all}")));
+    }
+    match primitive.mode() {
+        Mode::TriangleFan => mesh.push_fan(&corners),
+        Mode::TriangleStrip => mesh.push_strip(&corners),
+        _ => {
+            let (triangles, over) = corners.as_chunks();
+            if !over.is_empty() {
+                return Err(Fault::broken(format!("triangles of {} corners", corners.len())));
+            }
+            mesh.triangles.extend(triangles);
+        }
+    }
+    Ok(())
+}

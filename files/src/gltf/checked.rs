@@ -1,0 +1,260 @@
+//! Checks of all that `gltf` takes for granted: without them it panics, reads what is no position, or reads
+//! without end.
+
+use crate::budget::Budget;
+use crate::error::Fault;
+use crate::escape::shown_path;
+use crate::folder::Folder;
+use crate::import::Import;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use gltf::accessor::Accessor;
+use gltf::buffer::{Buffer, Source};
+use gltf::json::validation::Checked;
+use gltf::{Document, Gltf, Semantic};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Bytes that the least object of a document takes, rounded up.
+const OBJECT: usize = 512;
+
+/// A document and the buffer within its file.
+pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault> {
+    let Import { budget, notes, .. } = import;
+    // A binary file has text from its byte 20 on, of the length that bytes 12 to 15 tell.
+    let text = match *bytes {
+        [b'g', b'l', b'T', b'F', _, _, _, _, _, _, _, _, a, b, c, d, _, _, _, _, ref rest @ ..] => {
+            let length = u32::from_le_bytes([a, b, c, d]) as usize;
+            &rest[..length.min(rest.len())]
+        }
+        _ => bytes,
+    };
+    budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
+    // Its strings and its binary chunk are copied.
+    budget.take(bytes.len())?;
+    let broken = |e: gltf::Error| Fault::broken(e.to_string());
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
+    let mut root = document.into_json();
+    for extension in std::mem::take(&mut root.extensions_required) {
+        let is = |names: &[&str]| names.iter().any(|name| extension.starts_with(name));
+        if is(&HARMLESS) {
+            notes.push(format!("{extension} is passed over: it leaves geometry alone"));
+        } else if !is(&READ) {
+            let what = format!("requires the extension {extension}, which is not read");
+            return Err(Fault::broken(what));
+        }
+    }
+    let mut has_bounds = true;
+    let (accessors, count) = (&mut root.accessors, 3);
+    for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.material = None;
+        let mut used = primitive.attributes.values();
+        if let Some(stray) = used.find(|accessor| accessor.value() >= accessors.len()) {
+            return Err(Fault::broken(format!("there is no accessor {}", stray.value())));
+        }
+        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+        let Some(accessor) = positions.and_then(|at| accessors.get_mut(at.value())) else {
+            continue;
+        };
+        // Beside compressed data there may be others, for readers that do not know it.
+        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+        let is_compressed = others.is_some_and(|others| others.contains_key(DRACO));
+        if is_compressed && accessor.buffer_view.is_none() {
+            return Err(compressed(DRACO));
+        }
+        if accessor.min.is_none() || accessor.max.is_none() {
+            has_bounds = false;
+            let zeros = || Some(vec![0; count].into());
+            (accessor.min, accessor.max) = (zeros(), zeros());
+        }
+    }
+    if !has_bounds {
+        notes.push("POSITION has no min and max".to_owned());
+    }
+    // Only geometry is checked.
+    root.nodes.iter_mut().for_each(|node| node.camera = None);
+    root.materials.clear();
+    root.textures.clear();
+    root.images.clear();
+    root.samplers.clear();
+    root.animations.clear();
+    root.cameras.clear();
+    Ok(Gltf { document: Document::from_json(root).map_err(broken)?, blob })
+}
+
+fn compressed(extension: &str) -> Fault {
+    Fault::broken(format!("is compressed with {extension}, which is not read"))
+}
+
+const DRACO: &str = "KHR_draco_mesh_compression";
+const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Extensions of what is read.
+const READ: [&str; 2] = ["KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
+
+/// Beginnings of the names of extensions that leave geometry alone.
+const HARMLESS: [&str; 15] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_xmp",
+    "KHR_animation_pointer",
+    "KHR_audio",
+    "EXT_materials_",
+    "EXT_mesh_features",
+    "EXT_instance_features",
+    "EXT_structural_metadata",
+    "EXT_feature_metadata",
+    "VRMC_",
+];
+
+/// The bytes of all buffers, those of one file once.
+pub(crate) struct Buffers {
+    /// For each buffer of the document the number of its data.
+    numbers: Vec<usize>,
+    data: Vec<Vec<u8>>,
+}
+
+impl Buffers {
+    /// Reads buffers: in the file, in its text, or in files beside, whose bytes count as the file's. No more of a file is read
+    /// than the longest of its buffers has.
+    pub(crate) fn load(
+        document: &Document,
+        mut blob: Option<Vec<u8>>,
+        folder: &Folder<'_>,
+        budget: &mut Budget,
+    ) -> Result<Self, Fault> {
+        let mut paths: HashMap<&str, PathBuf> = HashMap::new();
+        let mut lengths: HashMap<PathBuf, usize> = HashMap::new();
+        for buffer in document.buffers() {
+            let Some(uri) = uri(&buffer) else { continue };
+            let path = match paths.get(uri) {
+                Some(path) => path.clone(),
+                None => folder.file(uri).map_err(|fault| in_buffer(&buffer, fault))?,
+            };
+            let longest = lengths.entry(path.clone()).or_default();
+            *longest = buffer.length().max(*longest);
+            paths.insert(uri, path);
+        }
+        let mut files: HashMap<&PathBuf, usize> = HashMap::new();
+        let mut all = Self { numbers: Vec::new(), data: Vec::new() };
+        for buffer in document.buffers() {
+            let path = uri(&buffer).and_then(|uri| paths.get(uri));
+            let known = path.and_then(|path| files.get(path).copied());
+            all.numbers.push(known.unwrap_or(all.data.len()));
+            if known.is_some() {
+                continue;
+            }
+            let data = match path {
+                Some(path) => {
+                    files.insert(path, all.data.len());
+                    read(path, lengths[path], budget)
+                }
+                None => inline(&buffer, &mut blob, budget),
+            };
+            all.data.push(data.map_err(|fault| in_buffer(&buffer, fault))?);
+        }
+        Ok(all)
+    }
+
+    pub(crate) fn get(&self, buffer: usize) -> Option<&[u8]> {
+        Some(&self.data[*self.numbers.get(buffer)?])
+    }
+
+    fn bytes(&self) -> usize {
+        self.data.iter().map(Vec::len).sum()
+    }
+}
+
+/// Names the buffer that a fault is in.
+fn in_buffer(buffer: &Buffer<'_>, fault: Fault) -> Fault {
+    fault.within(format_args!("buffer {}", buffer.index()))
+}
+
+/// The name of the file that a buffer is in, unless that is the file of the document.
+fn uri<'d>(buffer: &Buffer<'d>) -> Option<&'d str> {
+    match buffer.source() {
+        Source::Uri(uri) if !uri.starts_with("data:") => Some(uri),
+        _ => None,
+    }
+}
+
+/// A buffer in the file of the document or in its text.
+fn inline(
+    buffer: &Buffer<'_>,
+    blob: &mut Option<Vec<u8>>,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, Fault> {
+    let Source::Uri(uri) = buffer.source() else {
+        // Stands for data that is compressed elsewhere.
+        if MESHOPT.into_iter().any(|name| buffer.extension_value(name).is_some()) {
+            return Ok(Vec::new());
+        }
+        return blob.take().ok_or_else(|| Fault::broken("the file has no binary chunk"));
+    };
+    // Six bits a character.
+    budget.take(uri.len() - uri.len() / 4)?;
+    let text = uri.split_once(";base64,").map(|(_, text)| text);
+    let text = text.ok_or_else(|| Fault::broken("a data URI that is not in base64"))?;
+    BASE64.decode(text).map_err(|error| Fault::broken(error.to_string()))
+}
+
+/// The first `length` bytes of a file, which must have as many.
+fn read(path: &Path, length: usize, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    let fault = |what: String| Fault::broken(format!("{}: {what}", shown_path(path)));
+    let io = |error: std::io::Error| fault(error.to_string());
+    let file = File::open(path).map_err(io)?;
+    let found = file.metadata().map_err(io)?.len();
+    if found < length as u64 {
+        return Err(fault(format!("has {found} bytes, and {length} by the document")));
+    }
+    budget.add_file(length);
+    budget.take(length)?;
+    let mut data = Vec::new();
+    data.try_reserve_exact(length + 1).map_err(|error| fault(error.to_string()))?;
+    file.take(length as u64).read_to_end(&mut data).map_err(io)?;
+    Ok(data)
+}
+
+/// Checks that an accessor has entries, and all of them in its buffer.
+pub(super) fn inside(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<(), Fault> {
+    let fault = || {
+        let at = accessor.index();
+        Fault::broken(format!("accessor {at} is empty, overlaps itself or leaves its buffer"))
+    };
+    let count = accessor.count();
+    let dense = accessor.view().map(|view| (view, accessor.offset(), count, accessor.size()));
+    let sparse = accessor.sparse().map(|sparse| {
+        let (indices, values) = (sparse.indices(), sparse.values());
+        [
+            (indices.view(), indices.offset(), sparse.count(), indices.index_type().size()),
+            (values.view(), values.offset(), sparse.count(), accessor.size()),
+        ]
+    });
+    let views = accessor.view().into_iter();
+    for view in views {
+        if let Some(name) = MESHOPT.into_iter().find(|name| view.extension_value(name).is_some()) {
+            return Err(compressed(name));
+        }
+    }
+    for (view, offset, count, size) in dense.into_iter().chain(sparse.into_iter().flatten()) {
+        let stride = view.stride().unwrap_or(size);
+        let last = count.checked_sub(1).and_then(|last| last.checked_mul(stride));
+        let end = last.and_then(|last| last.checked_add(size)?.checked_add(offset));
+        let view_end = view.offset().checked_add(view.length()).ok_or_else(fault)?;
+        let buffer = buffers.get(view.buffer().index()).map_or(0, <[u8]>::len);
+        if stride < size || end.is_none_or(|end| end > view.length()) || view_end > buffer {
+            return Err(fault());
+        }
+    }
+    // Without a view all is zero, and takes no bytes however much there is of it.
+    if accessor.view().is_none() && count > buffers.bytes() {
+        return Err(fault());
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! The pose of a node in the file: instances, morph targets and skins.
+
+use super::accessor;
+use super::checked::Buffers;
+use crate::budget::Budget;
+use crate::error::Fault;
+use glam::{DMat4, DQuat, DVec3, DVec4};
+use gltf::accessor::Accessor;
+use gltf::mesh::Semantic;
+use gltf::{Document, Node, Primitive};
+
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// The weights of morph targets, and the matrices of joints: world from mesh.
+pub(super) struct Pose {
+    weights: Vec<f64>,
+    joints: Option<Vec<DMat4>>,
+}
+
+impl Pose {
+    /// The pose of a node; `worlds` are the matrices of all nodes of the scene.
+    pub(super) fn new(
+        node: &Node<'_>,
+        worlds: &[Option<DMat4>],
+        buffers: &Buffers,
+        budget: &Budget,
+    ) -> Result<Self, Fault> {
+        let mesh = node.mesh();
+        let weights = node.weights().or_else(|| mesh.as_ref().and_then(gltf::Mesh::weights));
+        let weights = weights.unwrap_or_default().iter().map(|&w| w.into()).collect();
+        let Some(skin) = node.skin().filter(|_| mesh.is_some()) else {
+            return Ok(Self { weights, joints: None });
+        };
+        let inverse = match skin.inverse_bind_matrices() {
+            Some(matrices) => accessor::matrices(&matrices, buffers, budget)?,
+            None => Vec::new(),
+        };
+        let has_all = inverse.is_empty() || inverse.len() >= skin.joints().count();
+        if !has_all {
+            let what = format!("skin {} has fewer matrices than joints", skin.index());
+            return Err(Fault::broken(what));
+        }
+        let joint = |(number, joint): (usize, Node<'_>)| {
+            let world = worlds.get(joint.index()).copied().flatten();
+            let world = world.ok_or_else(|| {
+                Fault::broken(format!("joint node {} is not in the scene", joint.index()))
+            })?;
+            Ok(match inverse.get(number) {
+                Some(matrix) => world * DMat4::from_cols_array(matrix),
+                None => world,
+            })
+        };
+        let joints = skin.joints().enumerate().map(joint).collect::<Result<_, Fault>>()?;
+        Ok(Self { weights, joints: Some(joints) })
+    }
+
+    /// Whether positions are put into the world by joints, and not by the node.
+    pub(super) fn is_skinned(&self) -> bool {
+        self.joints.is_some()
+    }
+
+    /// Moves the positions of a primitive.
+    pub(super) fn apply(
+        &self,
+        primitive: &Primitive<'_>,
+        positions: &mut [[f64; 3]],
+        buffers: &Buffers,
+        budget: &Budget,
+    ) -> Result<(), Fault> {
+        for (target, &weight) in primitive.morph_targets().zip(&self.weights) {
+            let Some(moves) = target.positions().filter(|_| weight != 0.0) else { continue };
+            let moves = accessor::positions(&moves, buffers, budget)?;
+            same_length("a morph target", moves.len(), positions.len())?;
+            for (position, by) in positions.iter_mut().zip(moves) {
+                *position = [0, 1, 2].map(|k| position[k] + weight * by[k]);
+            }
+        }
+        let Some(matrices) = &self.joints else { return Ok(()) };
+        let mut sets = Vec::new();
+        for set in 0.. {
+            let get = |semantic| primitive.get(&semantic);
+            let (joints, weights) = (get(Semantic::Joints(set)), get(Semantic::Weights(set)));
+            let (Some(joints), Some(weights)) = (joints, weights) else { break };
+            let joints = accessor::fours(&joints, buffers, budget)?;
+            let weights = accessor::fours(&weights, buffers, budget)?;
+            same_length("JOINTS", joints.len(), positions.len())?;
+            same_length("WEIGHTS", weights.len(), positions.len())?;
+            sets.push((joints, weights));
+        }
+        for (vertex, position) in positions.iter_mut().enumerate() {
+            let at = DVec3::from(*position);
+            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+            for (joints, weights) in &sets {
+                for (&joint, &weight) in joints[vertex].iter().zip(&weights[vertex]) {
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    let matrix = matrices.get(joint as usize).ok_or_else(|| {
+                        Fault::broken(format!("vertex {vertex} has a joint {joint} of no skin"))
+                    })?;
+                    sum += weight * matrix.transform_point3(at);
+                    total += weight;
+                }
+            }
+            // Weights that are written as integers do not sum up to 1.
+            if total > 0.0 {
+                *position = (sum / total).to_array();
+            } else {
+                return Err(Fault::broken(format!("vertex {vertex} of a skin has no weights")));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn same_length(what: &str, found: usize, vertices: usize) -> Result<(), Fault> {
+    if found == vertices {
+        return Ok(());
+    }
+    Err(Fault::broken(format!("{what} of {found} elements for {vertices} vertices")))
+}
+
+/// The accessor of an attribute of instances.
+fn attribute<'d>(
+    node: &Node<'_>,
+    document: &'d Document,
+    name: &str,
+) -> Result<Option<Accessor<'d>>, Fault> {
+    let number = node.extension_value(INSTANCING).and_then(|value| value["attributes"].get(name));
+    let Some(number) = number else { return Ok(None) };
+    let accessor = number.as_u64().and_then(|number| document.accessors().nth(number as usize));
+    accessor.map(Some).ok_or_else(|| Fault::broken(format!("there is no accessor {number}")))
+}
+
+const ATTRIBUTES: [&str; 3] = ["TRANSLATION", "ROTATION", "SCALE"];
+
+/// How often a node places its mesh.
+pub(super) fn instances_count(node: &Node<'_>, document: &Document) -> Result<usize, Fault> {
+    let mut count = None;
+    for name in ATTRIBUTES {
+        let Some(accessor) = attribute(node, document, name)? else { continue };
+        let first = *count.get_or_insert(accessor.count());
+        same_length(name, accessor.count(), first)?;
+    }
+    Ok(count.unwrap_or(1))
+}
+
+/// The matrices of the instances of a node, or the identity.
+pub(super) fn instances(
+    node: &Node<'_>,
+    document: &Document,
+    buffers: &Buffers,
+    budget: &Budget,
+) -> Result<Vec<DMat4>, Fault> {
+    let count = instances_count(node, document)?;
+    let [translation, rotation, scale] = ATTRIBUTES.map(|name| attribute(node, document, name));
+    let threes = |accessor: Option<Accessor<'_>>| {
+        accessor.map(|accessor| accessor::positions(&accessor, buffers, budget)).transpose()
+    };
+    let (translation, scale) = (threes(translation?)?, threes(scale?)?);
+    let rotation = rotation?.map(|accessor| accessor::fours(&accessor, buffers, budget));
+    let rotation = rotation.transpose()?;
+    budget.check(count.saturating_mul(size_of::<DMat4>()))?;
+    let three = |list: &Option<Vec<[f64; 3]>>, i: usize, default| {
+        list.as_ref().map_or(default, |list| DVec3::from(list[i]))
+    };
+    let matrix = |i: usize| {
+        let rotation = rotation.as_ref().map_or(DQuat::IDENTITY, |list| {
+            let [x, y, z, w] = list[i];
+            DQuat::from_vec4(DVec4::new(x, y, z, w)).normalize()
+        });
+        let [scale, translation] =
+            [three(&scale, i, DVec3::ONE), three(&translation, i, DVec3::ZERO)];
+        DMat4::from_scale_rotation_translation(scale, rotation, translation)
+    };
+    Ok((0..count).map(matrix).collect())
+}

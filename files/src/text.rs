@@ -1,0 +1,124 @@
+//! Lines of words, as OBJ, OFF and the texts of PLY and STL have them.
+
+use crate::error::Fault;
+use crate::source::Source;
+use std::str::FromStr;
+
+/// A line that has words, without its comment.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'t> {
+    /// From 1.
+    pub(crate) number: usize,
+    text: &'t [u8],
+}
+
+/// The lines of a file that have words. They end as in Unix or Windows, or in a file without `\n` as on
+/// old Macs.
+pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+    let lines = bytes.split(move |&b| b == end).zip(1..).map(|(line, number)| {
+        let end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
+        Line { number, text: line[..end].trim_ascii() }
+    });
+    lines.filter(|line| !line.text.is_empty())
+}
+
+/// The bytes of a text before the NULs that some programs end it with.
+pub(crate) fn without_padding(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &bytes[..end]
+}
+
+/// A word for an error text, on one line however long and strange it is.
+pub(crate) fn quote(word: &[u8]) -> String {
+    let (shown, rest) = word.split_at(word.len().min(40));
+    format!("'{}{}'", shown.escape_ascii(), if rest.is_empty() { "" } else { "…" })
+}
+
+impl<'t> Line<'t> {
+    pub(crate) fn words(&self) -> impl Iterator<Item = &'t [u8]> + use<'t> {
+        self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
+
+    pub(crate) fn fault(&self, what: impl Into<String>) -> Fault {
+        Fault::line(self.number, what.into())
+    }
+
+    /// A word that has to be there.
+    pub(crate) fn word<'w>(&self, word: Option<&'w [u8]>) -> Result<&'w [u8], Fault> {
+        word.ok_or_else(|| self.fault("the line ends too early"))
+    }
+
+    /// The number that `word` states.
+    pub(crate) fn number<T: FromStr>(&self, word: Option<&[u8]>) -> Result<T, Fault> {
+        let word = self.word(word)?;
+        parsed(word).ok_or_else(|| self.no_number(word))
+    }
+
+    fn no_number(&self, word: &[u8]) -> Fault {
+        self.fault(format!("{} is not the number it should be", quote(word)))
+    }
+
+    /// The next three words as coordinates.
+    pub(crate) fn position<'w>(
+        &self,
+        words: &mut impl Iterator<Item = &'w [u8]>,
+        source: &mut Source,
+    ) -> Result<[f64; 3], Fault> {
+        let mut next = || self.coordinate(words.next(), source);
+        Ok([next()?, next()?, next()?])
+    }
+
+    /// The number nearest to what `word` says; `source` tells in which precision, and notes what it loses.
+    pub(crate) fn coordinate(
+        &self,
+        word: Option<&[u8]>,
+        source: &mut Source,
+    ) -> Result<f64, Fault> {
+        let word = self.word(word)?;
+        coordinate(word, source).ok_or_else(|| self.no_number(word))
+    }
+}
+
+/// The number nearest to what `word` says, if it is one; `source` tells in which precision, and notes what it loses.
+pub(crate) fn coordinate(word: &[u8], source: &mut Source) -> Option<f64> {
+    if parsed::<f64>(word).is_none() && is_nan(word) {
+        return Some(f64::NAN);
+    }
+    if !source.in_f32 {
+        return parsed(word);
+    }
+    let nearest: f32 = parsed(word)?;
+    source.rounded += usize::from(loses_digits(word, nearest));
+    Some(nearest.into())
+}
+
+/// Whether a word is NaN as C libraries write it: `-nan(ind)`.
+fn is_nan(word: &[u8]) -> bool {
+    let word = word.strip_prefix(b"-").unwrap_or(word);
+    word.get(..4).is_some_and(|beginning| beginning.eq_ignore_ascii_case(b"nan("))
+}
+
+fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// Whether a decimal has digits that the nearest f32, rounded to as many, does not.
+fn loses_digits(word: &[u8], nearest: f32) -> bool {
+    let is_exponent = |b: &u8| b.eq_ignore_ascii_case(&b'e');
+    // Every decimal of six digits comes back from the nearest f32, unless it is beyond the range.
+    if word.len() <= 6 && !word.iter().any(is_exponent) {
+        return false;
+    }
+    let Ok(text) = std::str::from_utf8(word) else { return false };
+    let Ok(written) = text.parse::<f64>() else { return false };
+    let error = (written - f64::from(nearest)).abs();
+    let mut parts = text.split(['e', 'E']);
+    let decimals = parts.next().and_then(|mantissa| Some(mantissa.split_once('.')?.1.len()));
+    let exponent: i32 = parts.next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0);
+    // An infinity is refused later.
+    nearest.is_finite()
+        && error > 0.5 * 10_f64.powi(exponent.saturating_sub(decimals.unwrap_or(0) as i32))
+}
