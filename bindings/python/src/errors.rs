@@ -1,8 +1,12 @@
 //! Errors of the library as exceptions, which are written in Python: `pfront/_errors.py`.
 
 use pfront::{Error, MeshError, PoseError};
-use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
+use pfront_files::ReadError;
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
+use std::error::Error as _;
+use std::io;
+use std::path::Path;
 
 mod python {
     pyo3::import_exception!(pfront._errors, MeshError);
@@ -64,6 +68,15 @@ pub(crate) fn forked() -> PyErr {
 /// A device that cannot be had.
 pub(crate) fn device(text: String) -> PyErr {
     python::DeviceError::new_err(text)
+}
+
+/// A mesh file that cannot be read, or is none.
+pub(crate) fn unread(error: &ReadError, path: &Path) -> PyErr {
+    let io = error.source().and_then(|source| source.downcast_ref::<io::Error>());
+    match io.and_then(|io| Some((io.raw_os_error()?, io.to_string()))) {
+        Some((number, text)) => PyOSError::new_err((number, text, path.to_owned())),
+        None => python::MeshError::new_err(error.to_string()),
+    }
 }
 
 /// Poses that do not fit the question.

@@ -13,6 +13,7 @@ mod contacts;
 mod ending;
 mod errors;
 mod executor;
+mod files;
 mod lock;
 mod memory;
 mod model;
@@ -45,6 +46,8 @@ mod _pfront {
     use crate::ending::forked;
     #[pymodule_export]
     use crate::executor::{Executor, adapters};
+    #[pymodule_export]
+    use crate::files::read;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

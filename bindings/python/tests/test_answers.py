@@ -340,6 +340,7 @@ def test_any_array_is_answered_or_refused_in_any_layout(points, faces, pose, is_
     assert outcome(*(list(layouts(array))[layout][1] for array in (points, faces, pose))) == plain
 
 
+@pytest.mark.filterwarnings("ignore:in .* share a position")
 @relaxed
 @given(hnp.arrays(np.float32, (9, 3), elements=st.integers(-2, 2)))
 def test_small_integers_agree_in_both_precisions(points):

@@ -56,6 +56,7 @@ def test_float64_as_the_files_have_it():
         assert pf.count(*(pf.Mesh(points.astype(np.float32), faces) for points, faces in two)) == in_f32
 
 
+@pytest.mark.filterwarnings("ignore:in .* share a position")
 def test_nasty_meshes():
     counts = [
         ("ballA.off", "ballB.off", 276),

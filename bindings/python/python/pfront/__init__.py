@@ -17,7 +17,7 @@ from typing import Any
 
 from . import compat
 from ._errors import BlobError, DeviceError, MeshError, PoseError, StaleBody
-from ._mesh import Mesh, load
+from ._mesh import Mesh, bodies, load
 from ._questions import Contacts, Part, Ragged, collides, contacts, count, pairs, part, sweep
 from ._scene import Hits, Scene, SceneContacts
 from ._settings import devices, explain, using
@@ -25,7 +25,7 @@ from ._show import register, show
 
 __all__ = [
     "BlobError", "Contacts", "DeviceError", "Hits", "Mesh", "MeshError", "Part", "PoseError", "Ragged", "Scene",
-    "SceneContacts", "StaleBody", "collides", "compat", "contacts", "count", "devices", "explain", "load", "pairs", "part", "register", "show",
+    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "explain", "load", "pairs", "part", "register", "show",
     "sweep", "using",
 ]  # fmt: skip
 

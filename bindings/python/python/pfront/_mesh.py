@@ -23,7 +23,7 @@ from ._arrays import array
 from ._errors import MeshError
 from ._settings import current
 
-__all__ = ["Mesh", "load"]
+__all__ = ["Mesh", "bodies", "load"]
 
 _unpickled: weakref.WeakValueDictionary[bytes, Mesh] = weakref.WeakValueDictionary()
 _Kind = TypeVar("_Kind", bound="Mesh")
@@ -37,8 +37,8 @@ class Mesh:
     Parameters
     ----------
     source : array_like, path or mesh
-        Vertices of shape (n, 3); or a path (``.pfb``, or whatever meshio or trimesh reads); or a mesh of trimesh, pyvista,
-        Open3D or meshio; or a pair (vertices, faces).
+        Vertices of shape (n, 3); or a path of a file, which is read as the command reads it (OBJ, PLY, STL, OFF, glTF, 3MF,
+        ``.pfb``); or a mesh of trimesh, pyvista, Open3D or meshio; or a pair (vertices, faces).
     faces : array_like, optional
         Integers of shape (m, 3), which name vertices. Only with vertices.
 
@@ -52,12 +52,13 @@ class Mesh:
     Warns
     -----
     UserWarning
-        If there are no faces: such a mesh intersects nothing.
+        If there are no faces: such a mesh intersects nothing. If something in a file was passed over.
 
     Raises
     ------
     MeshError
-        With ``.vertex`` or ``.face``, if a coordinate is NaN or infinite, or a face names a vertex that there is not.
+        With ``.vertex`` or ``.face``, if a coordinate is NaN or infinite, or a face names a vertex that there is not. If a file
+        is not what its name says, or has no face.
 
     Examples
     --------
@@ -183,6 +184,40 @@ def load(path: str | os.PathLike[str]) -> Mesh:
     return Mesh(model)
 
 
+def bodies(path: str | os.PathLike[str]) -> dict[str, Mesh]:
+    """Read the bodies of a file: the nodes of a glTF, the items of a 3MF, the objects or groups of an OBJ, the solids of an STL.
+
+    Parameters
+    ----------
+    path : path
+        The file; `Mesh` reads it as one mesh.
+
+    Returns
+    -------
+    dict of str to Mesh
+        The bodies in the order of the file. A file of one body has the name of the file.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, pfront as pf
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "two.obj")
+    >>> _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 0 1 0\\no lid\\nf 1 2 3\\no box\\nf 3 2 1\\n")
+    >>> pf.bodies(path)
+    {'lid': Mesh(3 vertices, 1 face, float32), 'box': Mesh(3 vertices, 1 face, float32)}
+    """
+    path = os.fsdecode(path)
+    vertices, faces, parts, notes = _read(path)
+    for note in notes:
+        warnings.warn(f"{path}: {note}", stacklevel=2)
+    if len(parts) < 2:
+        return {os.path.basename(path): Mesh(vertices, faces)}
+    found = {}
+    for name, numbers in parts:
+        used, corners = np.unique(faces[numbers], return_inverse=True)
+        found[name] = Mesh(vertices[used], corners.reshape(-1, 3))
+    return found
+
+
 def _warn_if_empty(model: _pfront.Model) -> None:
     if model.counts()[1] == 0:
         warnings.warn("a mesh without faces intersects nothing", stacklevel=3)
@@ -287,8 +322,8 @@ def _parts(source: Any) -> tuple[Any, Any]:
         return source, None
     if isinstance(source, Mesh):
         return source._model, None
-    if isinstance(source, (str, os.PathLike)):
-        return _file(os.fspath(source))
+    if isinstance(source, (str, bytes, os.PathLike)):
+        return _file(os.fsdecode(source))
     if isinstance(source, (tuple, list)) and len(source) == 2:
         return source[0], source[1]
     if hasattr(type(source), "regular_faces"):
@@ -326,11 +361,16 @@ def _halves(kind: str, cells: Any) -> Any:
 def _file(path: str) -> tuple[Any, Any]:
     if path.lower().endswith(".pfb"):
         return load(path)._model, None
-    if not os.path.exists(path):
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
+    vertices, faces, _, notes = _read(path)
+    for note in notes:
+        # Beyond _file, _parts and __init__.
+        warnings.warn(f"{path}: {note}", stacklevel=4)
+    return vertices, faces
+
+
+def _read(path: str) -> tuple[Any, Any, list[tuple[str, Any]], list[str]]:
     try:
-        import trimesh
-    except ImportError:
-        raise ImportError(f"to read {path!r}, install trimesh: pip install trimesh") from None
-    found = trimesh.load(path, process=False, force="mesh")
-    return _parts(found)
+        # The command takes - for standard input.
+        return _pfront.read(os.path.join(os.curdir, path) if path == "-" else path)
+    except OSError as error:
+        raise OSError(error.errno, os.strerror(error.errno or 0), path) from None

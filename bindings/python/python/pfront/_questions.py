@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
@@ -244,6 +245,11 @@ def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     a, b, pose, progress
         As for `collides`.
 
+    Warns
+    -----
+    UserWarning
+        If most pairs within one mesh are of faces that share a position, but no vertex.
+
     Returns
     -------
     ndarray of uint32, shape (n, 2), or Ragged
@@ -257,8 +263,26 @@ def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     >>> pf.pairs(floor, blade)
     array([[0, 0]], dtype=uint32)
     """
-    found, offsets = _pfront.all(*_two(a, b), pose, current(), progress, None)
+    two = _two(a, b)
+    found, offsets = _pfront.all(*two, pose, current(), progress, None)
+    if b is None and len(found):
+        _warn_if_split(a if isinstance(a, Mesh) else Mesh(two[0]), found)
     return found if offsets is None else Ragged(found, offsets)
+
+
+def _warn_if_split(mesh: Mesh, found: npt.NDArray[np.uint32]) -> None:
+    """Say so if most pairs, of which some thousands are looked at, are of faces that share a position, but no vertex."""
+    corners = mesh.faces[found[:: len(found) // 10_000 + 1]]
+    places = mesh.vertices[corners]
+    shares_vertex = (corners[:, 0, :, None] == corners[:, 1, None, :]).any((1, 2))
+    shares_place = (places[:, 0, :, None] == places[:, 1, None, :]).all(-1).any((1, 2))
+    alone = int((shares_place & ~shares_vertex).sum())
+    if 2 * alone > len(corners):
+        warnings.warn(
+            f"in {alone} of {len(corners)} pairs the faces share a position, but no vertex: vertices at the same place are not "
+            "joined, as many formats split them",
+            stacklevel=3,
+        )
 
 
 def contacts(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
