@@ -114,8 +114,8 @@ pub(crate) struct Reading {
     /// Format of a mesh whose name does not tell, as that of standard input [default: by how it begins]
     #[arg(long, value_name = "FORMAT", value_parser = FORMATS)]
     input_format: Option<String>,
-    /// MB that a mesh may take while it is read, and as many again for baking it or for an answer [default: reading: 16
-    /// times the file and 64 MB, baking and answer: what is free]
+    /// MB that a mesh may take while it is read, and as many again for baking it or for an answer, which is checked once it is
+    /// found [default: reading: 16 times the file and 64 MB, baking: what is free, answer: no bound]
     #[arg(long, value_name = "MB", value_parser = megabytes)]
     pub(crate) memory: Option<usize>,
     /// Round coordinates to f32, and compute poses there: faster, and what graphics do [default: in f64, as written]

@@ -178,17 +178,23 @@ impl Import {
 
     /// Triangulates every face of more than three corners, in place of its fan.
     fn triangulate_faces(&mut self) -> Result<(), Fault> {
-        let Self { mesh, source, budget, .. } = self;
-        let mut corners = Vec::new();
+        let Self { mesh, source, budget, notes, .. } = self;
+        let (mut corners, mut fans) = (Vec::new(), None);
         let ends = source.faces.iter().skip(1).copied().chain([mesh.triangles.len() as u32]);
-        for (&first, end) in source.faces.iter().zip(ends) {
+        for (face, (&first, end)) in source.faces.iter().zip(ends).enumerate() {
             let fan = &mut mesh.triangles[first as usize..end as usize];
             let [[apex, second, _], _, ..] = *fan else { continue };
             budget.check(SCRATCH.saturating_mul(fan.len()))?;
             corners.clear();
             corners.extend([apex, second]);
             corners.extend(fan.iter().map(|[_, _, corner]| *corner));
-            triangulate(&corners, &mesh.positions, fan);
+            if !triangulate(&corners, &mesh.positions, fan) {
+                fans.get_or_insert((face, 0)).1 += 1;
+            }
+        }
+        if let Some((first, count)) = fans {
+            let what = "faces that cross themselves or have no area are fans, which may cover more";
+            notes.push(format!("{what}: {count}, the first is face {first}"));
         }
         Ok(())
     }

@@ -63,13 +63,17 @@ impl TriangleMesh {
         self.weld();
         let before = self.positions.len();
         if distance > 0.0 && distance.is_finite() {
-            let mut cells: HashMap<[i64; 3], Vec<(u32, [f64; 3])>> = HashMap::new();
+            // Cells by the bits of their numbers, as coordinates may be far larger than the distance.
+            let mut cells: HashMap<[u64; 3], Vec<(u32, [f64; 3])>> = HashMap::new();
             self.join(|position, next| {
-                let at = position.map(|x| (x / distance).floor() as i64);
-                let beside = |i: i64| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
+                let at = position.map(|x| {
+                    let cell = (x / distance).floor();
+                    if cell.is_finite() { cell } else { x }
+                });
+                let beside = |i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
                 let near = (0..27).filter_map(|i| {
                     let by = beside(i);
-                    cells.get(&[0, 1, 2].map(|k| at[k].saturating_add(by[k])))
+                    cells.get(&place(&[0, 1, 2].map(|k| at[k] + f64::from(by[k]))))
                 });
                 let is_near = |(_, other): &&(u32, [f64; 3])| {
                     let square = |k: usize| (position[k] - other[k]).powi(2);
@@ -77,7 +81,7 @@ impl TriangleMesh {
                 };
                 let first = near.flatten().filter(is_near).map(|(number, _)| *number).min();
                 first.unwrap_or_else(|| {
-                    cells.entry(at).or_default().push((next, *position));
+                    cells.entry(place(&at)).or_default().push((next, *position));
                     next
                 })
             });

@@ -170,6 +170,10 @@ fn load(
     let format = if bytes.starts_with(&MAGIC) {
         BAKED
     } else {
+        if let Some(other) = options.format.as_deref().filter(|format| !FORMATS.contains(format)) {
+            let known = FORMATS.join(", ");
+            return Err(Fault::broken(format!("'{other}' is no format; known are {known}")));
+        }
         let told = options.format.as_deref().or(named).or_else(|| head::beginning(&bytes));
         told.ok_or_else(|| {
             let known = FORMATS.join(", ");
@@ -233,7 +237,10 @@ fn load(
         _ => gltf::parse(&bytes, &folder, &mut import),
     }?;
     import.finish()?;
-    let Import { mut mesh, source, mut notes, is_split, .. } = import;
+    let Import { mut mesh, source, mut notes, is_split, budget, .. } = import;
+    if let Weld::Within(_) = options.weld {
+        budget.check(JOINED.saturating_mul(mesh.positions.len()))?;
+    }
     match options.weld {
         Weld::Split if is_split => mesh.weld(),
         Weld::Split | Weld::Never => {}
@@ -241,6 +248,9 @@ fn load(
     }
     Ok(Contents::Mesh(MeshFile { mesh, source, notes }))
 }
+
+/// Bytes for each vertex that is joined with others nearby: a cell of its own with a list, at most.
+const JOINED: usize = 256;
 
 /// Joins vertices within a distance, and returns a note if that moves some.
 fn joined(mesh: &mut TriangleMesh, distance: f64) -> Option<String> {

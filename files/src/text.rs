@@ -19,7 +19,10 @@ pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     let lines = bytes.split(move |&b| b == end).zip(1..).map(|(line, number)| {
-        let end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
+        // Within a word it is a part of a name.
+        let begins =
+            |&at: &usize| line[at] == b'#' && (at == 0 || line[at - 1].is_ascii_whitespace());
+        let end = (0..line.len()).find(begins).unwrap_or(line.len());
         Line { number, text: line[..end].trim_ascii() }
     });
     lines.filter(|line| !line.text.is_empty())

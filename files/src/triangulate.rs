@@ -17,12 +17,14 @@ pub(crate) const SCRATCH: usize = 160;
 /// Faces of more corners are not fans even where these are right.
 const SMALL: usize = 8;
 
-/// Ears that may be tried for each corner: a bound for faces that are made to be slow.
+/// Ears that may be tried for each corner, and corners looked at for each ear: a bound for faces that are made to be slow.
 const TRIES: usize = 64;
 
-/// Triangulates a face, in place of its fan around the first corner.
-pub(crate) fn triangulate(corners: &[u32], positions: &[[f64; 3]], fan: &mut [[u32; 3]]) {
-    let Some(points) = projected(corners, positions) else { return };
+/// Triangulates a face, in place of its fan around the first corner. Returns whether that covers the face and nothing else; a face that
+/// crosses itself or has no area is left as a fan, or ends in one.
+#[must_use]
+pub(crate) fn triangulate(corners: &[u32], positions: &[[f64; 3]], fan: &mut [[u32; 3]]) -> bool {
+    let Some(points) = projected(corners, positions) else { return false };
     let last = points.len() - 1;
     let is_fan = || {
         let mut edges = points[1..].windows(2);
@@ -30,7 +32,9 @@ pub(crate) fn triangulate(corners: &[u32], positions: &[[f64; 3]], fan: &mut [[u
             && area(points[0], points[1], points[last]) > 0.0
     };
     if points.len() > SMALL || !is_fan() {
-        Ring::new(&points).triangulate(corners, fan);
+        Ring::new(&points).triangulate(corners, fan)
+    } else {
+        true
     }
 }
 
@@ -87,7 +91,7 @@ impl<'p> Ring<'p> {
         ring
     }
 
-    fn triangulate(mut self, corners: &[u32], triangles: &mut [[u32; 3]]) {
+    fn triangulate(mut self, corners: &[u32], triangles: &mut [[u32; 3]]) -> bool {
         let mut triangles = triangles.iter_mut();
         let mut put = |triangle: [u32; 3]| {
             if let Some(place) = triangles.next() {
@@ -147,7 +151,8 @@ impl<'p> Ring<'p> {
                     }
                 }
             }
-            if self.left == 3 || tried > TRIES * n {
+            let is_slow = tried > TRIES * n || self.blockers.looked_at() > TRIES * TRIES * n;
+            if self.left == 3 || is_slow {
                 break;
             }
             next.append(&mut fresh);
@@ -161,11 +166,13 @@ impl<'p> Ring<'p> {
             candidates = next;
         }
         let first = self.is_left.iter().position(|&left| left).unwrap_or(0) as u32;
+        let is_whole = self.left == 3 && self.is_convex(first);
         let [mut at, mut after] = [self.next(first), self.next(self.next(first))];
         while after != first {
             put([first, at, after]);
             [at, after] = [after, self.next(after)];
         }
+        is_whole
     }
 
     fn point(&self, corner: u32) -> Point {

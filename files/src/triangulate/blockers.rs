@@ -1,6 +1,7 @@
 //! Points of the plane in a k-d tree, from which they are removed: which of them lie in a triangle?
 
 use robust::{Coord, orient2d};
+use std::cell::Cell;
 
 /// A leaf has no more points.
 const LEAF: usize = 8;
@@ -21,6 +22,8 @@ pub(crate) struct Blockers {
     nodes: Vec<Node>,
     /// The leaf of each number, or `NONE`.
     leaves: Vec<u32>,
+    /// How many points all questions have looked at.
+    looked_at: Cell<usize>,
 }
 
 #[derive(Debug)]
@@ -83,6 +86,11 @@ impl Blockers {
         }
     }
 
+    /// How many points all questions have looked at.
+    pub(crate) fn looked_at(&self) -> usize {
+        self.looked_at.get()
+    }
+
     /// Whether some point in a triangle that turns left, its edges included, satisfies a condition.
     pub(crate) fn any_in(&self, triangle: [Point; 3], condition: impl Fn(u32) -> bool) -> bool {
         let [a, b, c] = triangle;
@@ -100,6 +108,7 @@ impl Blockers {
                     continue;
                 }
                 let part = &self.points[node.begin as usize..node.end as usize];
+                self.looked_at.set(self.looked_at.get() + part.len());
                 let is_in = |&(number, point): &(u32, Point)| {
                     self.leaves[number as usize] != NONE
                         && edges.iter().all(|&[from, to]| area(from, to, point) >= 0.0)
