@@ -12,6 +12,8 @@ mod gltf;
 mod lenient;
 #[path = "files/samples.rs"]
 mod samples;
+#[path = "files/threemf.rs"]
+mod threemf;
 
 use pfront::Model;
 use pfront_files::{
