@@ -12,10 +12,11 @@ use crate::folder::Folder;
 use crate::import::Import;
 use checked::Buffers;
 use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
+use gltf::accessor::Accessor;
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
 use gltf::{Document, Gltf, Node, Primitive};
-use pose::Pose;
+use pose::{Pose, Skins};
 use std::collections::HashSet;
 
 pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> Result<(), Fault> {
@@ -24,7 +25,7 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
     let buffers = Buffers::load(&document, blob, folder, &mut import.budget)?;
     let document = &document;
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let roots: Vec<_> = match scene {
+    let roots: Vec<_> = match &scene {
         Some(scene) => scene.nodes().collect(),
         None => {
             import.notes.push("there is no scene: all nodes are read".to_owned());
@@ -33,6 +34,11 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
             document.nodes().filter(|node| !children.contains(&node.index())).collect()
         }
     };
+    let left_out = document.scenes().len().saturating_sub(1);
+    if left_out > 0 {
+        let read = if document.default_scene().is_some() { "default" } else { "first" };
+        import.notes.push(format!("scenes beside the {read} one are passed over: {left_out}"));
+    }
 
     // A small file may place a mesh any number of times: what is asked for is counted before it is read.
     let mut bytes = 0;
@@ -41,22 +47,32 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
     walk(document, &roots, |node, world| {
         worlds[node.index()] = Some(*world);
         let times = pose::instances_count(node, document)?;
+        let weights = pose::weights(node);
         for primitive in node.mesh().into_iter().flat_map(|mesh| mesh.primitives()) {
             if !is_of_triangles(&primitive) {
                 others += 1;
                 continue;
             }
-            bytes = demand(&primitive).saturating_mul(times).saturating_add(bytes);
+            let vertices = positions(&primitive)?.count();
+            let posed = pose::demand(&primitive, weights, node.skin().is_some(), vertices);
+            let demand = demand(&primitive, vertices).saturating_add(posed);
+            bytes = demand.saturating_mul(times).saturating_add(bytes);
             import.budget.check(bytes)?;
         }
         Ok(())
     })?;
+    if scene.is_none()
+        && let Some(node) = worlds.iter().position(Option::is_none)
+    {
+        return Err(Fault::broken(format!("node {node} is below itself")));
+    }
     if others > 0 {
         import.notes.push(format!("points and lines are passed over: {others} primitives"));
     }
+    let mut skins = Skins::default();
     walk(document, &roots, |node, world| {
         let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
-        let pose = Pose::new(node, &worlds, &buffers, &import.budget)?;
+        let pose = Pose::new(node, &worlds, &mut skins, &buffers, &mut import.budget)?;
         for instance in pose::instances(node, document, &buffers, &import.budget)? {
             import.begin_body(name.clone())?;
             let world = if pose.is_skinned() { instance } else { *world * instance };
@@ -69,21 +85,32 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
     })
 }
 
-/// Calls `visit` for all nodes below some, children after their parent, with `world_from_node`.
+/// Calls `visit` for all nodes below some, children after their parent, with `world_from_node`. Every node is reached
+/// once, or the file is refused.
 fn walk<'d>(
     document: &'d Document,
     roots: &[Node<'d>],
     mut visit: impl FnMut(&Node<'d>, &DMat4) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
-    let mut pending: Vec<_> =
-        roots.iter().rev().map(|node| (node.clone(), DMat4::IDENTITY)).collect();
-    let mut left = document.nodes().count();
+    let mut seen = vec![false; document.nodes().len()];
+    let mut reach = |node: &Node<'_>| match std::mem::replace(&mut seen[node.index()], true) {
+        true => Err(Fault::broken(format!("node {} is reached twice", node.index()))),
+        false => Ok(()),
+    };
+    let mut pending = Vec::new();
+    for root in roots {
+        reach(root)?;
+        pending.push((root.clone(), DMat4::IDENTITY));
+    }
+    pending.reverse();
     while let Some((node, above)) = pending.pop() {
-        left = left.checked_sub(1).ok_or_else(|| Fault::broken("a node is below two others"))?;
         let world = above * transform(&node);
         visit(&node, &world)?;
         let first = pending.len();
-        pending.extend(node.children().map(|child| (child, world)));
+        for child in node.children() {
+            reach(&child)?;
+            pending.push((child, world));
+        }
         pending[first..].reverse();
     }
     Ok(())
@@ -93,9 +120,13 @@ fn is_of_triangles(primitive: &Primitive<'_>) -> bool {
     matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// The bytes that a primitive takes while it is read.
-fn demand(primitive: &Primitive<'_>) -> usize {
-    let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+fn positions<'d>(primitive: &Primitive<'d>) -> Result<Accessor<'d>, Fault> {
+    let missing = || Fault::broken(format!("primitive {} has no POSITION", primitive.index()));
+    primitive.get(&Semantic::Positions).ok_or_else(missing)
+}
+
+/// The bytes that a primitive of so many vertices takes while it is read, without its pose.
+fn demand(primitive: &Primitive<'_>, vertices: usize) -> usize {
     let corners = primitive.indices().map_or(vertices, |indices| indices.count());
     let triangles = if primitive.mode() == Mode::Triangles { corners / 3 } else { corners };
     budget::demand(vertices, triangles)
@@ -119,7 +150,7 @@ fn push(
     world: &DMat4,
     pose: &Pose,
 ) -> Result<(), Fault> {
-    let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
+    let accessor = positions(primitive)?;
     let budget = &import.budget;
     let mut positions = accessor::positions(&accessor, buffers, budget)?;
     pose.apply(primitive, &mut positions, buffers, budget)?;

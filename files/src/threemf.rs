@@ -1,18 +1,20 @@
-//! 3MF, through `zip` and `quick-xml`: the items of the build, each a body with what its components place, in the units of
-//! the file. Extensions beside the production extension are passed over if they leave geometry alone.
+//! 3MF, through `zip` and `quick-xml`: the items of the build, each a body with what its components place. Coordinates
+//! stay as written, whatever the unit; one other than the millimeter is noted, and two in one package are refused. Extensions beside the production extension are passed over if they leave geometry alone.
+
+mod xml;
 
 use crate::budget::Budget;
 use crate::error::Fault;
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
-use crate::source::Source;
-use crate::text::coordinate;
+use crate::text::quote;
 use glam::{DMat4, DVec3};
-use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
+use std::rc::Rc;
 use std::str::FromStr;
+use xml::Xml;
 use zip::ZipArchive;
 
 /// The part that a package begins with, unless its relations name another.
@@ -23,45 +25,66 @@ const IS_START: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dm
 /// Parts of the namespaces of extensions that may be required.
 const HARMLESS: [&str; 4] = ["/production/", "/material/", "/slice/", "/trianglesets/"];
 
-/// Deeper components are refused.
-const DEEPEST: usize = 64;
+/// The unit of a part that states none.
+const MILLIMETER: &str = "millimeter";
 
-/// Bytes of budget for each object that is placed: a bound for components that are made to be many.
+/// Bytes of budget for each object that is read or placed: a bound for components that are made to be many.
 const PLACED: usize = 256;
 
 pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     import.is_split = true;
-    let archive = ZipArchive::new(Cursor::new(bytes));
-    let archive = archive.map_err(|error| Fault::broken(format!("no 3MF package: {error}")))?;
-    let mut package = Package { archive, parts: HashMap::new() };
+    let broken = |error| Fault::broken(format!("no 3MF package: {error}"));
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+    if archive.has_overlapping_entries().map_err(broken)? {
+        return Err(Fault::broken("no 3MF package: its entries overlap"));
+    }
+    let mut package = Package { archive, packed: bytes.len(), parts: HashMap::new(), unit: None };
     let start = match package.archive.index_for_name(RELATIONS) {
         Some(_) => start(&package.unpacked(RELATIONS, &mut import.budget)?)?,
         None => None,
     };
-    let start = start.unwrap_or_else(|| START.to_owned());
-    package.load(&start, import)?;
-    let items = package.parts.get(&start).map(|part| part.items.clone()).unwrap_or_default();
-    for item in items {
-        let path = item.placed.path.unwrap_or_else(|| start.clone());
-        let name = package.load(&path, import)?.objects.get(&item.placed.object);
-        let name = name.and_then(|object| object.name.clone()).or(item.name);
+    let start = package.load(&start.unwrap_or_else(|| START.to_owned()), import)?;
+    let (mut empty, mut first_empty) = (0, String::new());
+    for item in &start.items {
+        let part = package.part(&item.placed, &start, import)?;
+        let name = part.objects.get(&item.placed.object);
+        let name = name.and_then(|object| object.name.as_ref()).or(item.name.as_ref()).cloned();
         let name = name.unwrap_or_else(|| format!("object {}", item.placed.object));
-        import.begin_body(name)?;
-        package.place(&path, item.placed.object, &item.placed.transform, 0, import)?;
+        let before = import.mesh.triangles.len();
+        import.begin_body(name.clone())?;
+        package.place(part, &item.placed, import)?;
+        if import.mesh.triangles.len() == before {
+            empty += 1;
+            if empty == 1 {
+                first_empty = name;
+            }
+        }
+    }
+    if empty > 0 {
+        let what = format!("items without triangles: {empty}, the first of them {first_empty}");
+        import.notes.push(what);
     }
     Ok(())
 }
 
 struct Package<'b> {
     archive: ZipArchive<Cursor<&'b [u8]>>,
-    parts: HashMap<String, Part>,
+    /// Packed bytes that may still add to the budget: as many as the archive has.
+    packed: usize,
+    parts: HashMap<String, Rc<Part>>,
+    /// The unit of the first part.
+    unit: Option<String>,
 }
 
 /// A part with a model.
 #[derive(Default)]
 struct Part {
+    path: String,
+    /// The parts that were read before it.
+    number: usize,
     objects: HashMap<u32, Object>,
     items: Vec<Item>,
+    unit: Option<String>,
 }
 
 #[derive(Default)]
@@ -71,18 +94,31 @@ struct Object {
     components: Vec<Placed>,
 }
 
-#[derive(Clone)]
 struct Item {
     placed: Placed,
     name: Option<String>,
 }
 
 /// An object of a part, or of the same part, and where it stands.
-#[derive(Clone)]
 struct Placed {
     path: Option<String>,
     object: u32,
     transform: DMat4,
+}
+
+/// An object that is being placed, and which of its components comes next.
+struct Level {
+    part: Rc<Part>,
+    object: u32,
+    world: DMat4,
+    next: usize,
+}
+
+impl Part {
+    fn object(&self, object: u32) -> Result<&Object, Fault> {
+        let missing = || Fault::broken(format!("{}: there is no object {object}", self.path));
+        self.objects.get(&object).ok_or_else(missing)
+    }
 }
 
 impl Package<'_> {
@@ -91,6 +127,8 @@ impl Package<'_> {
         let fault = |what: String| Fault::broken(format!("{path}: {what}"));
         let part = self.archive.by_name(path).map_err(|error| fault(error.to_string()))?;
         let (packed, stated) = (part.compressed_size() as usize, part.size() as usize);
+        let packed = packed.min(self.packed);
+        self.packed -= packed;
         // A part of numbers is some four times as long as it is packed, and no more is believed.
         budget.add_file(stated.min(packed.saturating_mul(4)));
         budget.check(stated)?;
@@ -102,48 +140,89 @@ impl Package<'_> {
     }
 
     /// Reads a part, unless it is read already.
-    fn load(&mut self, path: &str, import: &mut Import) -> Result<&Part, Fault> {
-        if !self.parts.contains_key(path) {
-            let bytes = self.unpacked(path, &mut import.budget)?;
-            let part = model(path, &bytes, import)?;
-            self.parts.insert(path.to_owned(), part);
+    fn load(&mut self, path: &str, import: &mut Import) -> Result<Rc<Part>, Fault> {
+        if let Some(part) = self.parts.get(path) {
+            return Ok(part.clone());
         }
-        self.parts.get(path).ok_or_else(|| Fault::broken(format!("there is no part {path}")))
+        let bytes = self.unpacked(path, &mut import.budget)?;
+        let mut part = model(path, &bytes, import)?;
+        part.number = self.parts.len();
+        let unit = part.unit.as_deref().unwrap_or(MILLIMETER);
+        let quoted = quote(unit.as_bytes());
+        match &self.unit {
+            None if unit == MILLIMETER => {}
+            None => import.notes.push(format!("the unit is {quoted}: coordinates stay as written")),
+            Some(first) if first == unit => {}
+            Some(first) => {
+                let first = quote(first.as_bytes());
+                return Err(Fault::broken(format!("{path}: the unit is {quoted}, not {first}")));
+            }
+        }
+        self.unit.get_or_insert_with(|| unit.to_owned());
+        let part = Rc::new(part);
+        self.parts.insert(path.to_owned(), part.clone());
+        Ok(part)
     }
 
-    /// Adds the triangles of an object and of its components.
-    fn place(
+    /// The part with an object that a part places.
+    fn part(
         &mut self,
-        path: &str,
-        object: u32,
-        world: &DMat4,
-        depth: usize,
+        placed: &Placed,
+        own: &Rc<Part>,
         import: &mut Import,
-    ) -> Result<(), Fault> {
-        if depth > DEEPEST {
-            return Err(Fault::broken(format!("object {object} has components of itself")));
-        }
-        import.budget.take(PLACED)?;
-        let found = self.load(path, import)?.objects.get(&object);
-        let missing = || Fault::broken(format!("{path}: there is no object {object}"));
-        let found = found.ok_or_else(missing)?;
-        let Import { mesh, budget, source, .. } = &mut *import;
-        let (vertices, triangles) = (found.mesh.positions.len(), found.mesh.triangles.len());
-        budget.check_growth(mesh, vertices, triangles)?;
-        let first = mesh.positions.len() as u32;
-        let moves = *world != DMat4::IDENTITY;
-        mesh.positions.extend(found.mesh.positions.iter().map(|&p| {
-            let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
-            if source.in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
-        }));
-        mesh.triangles.extend(found.mesh.triangles.iter().map(|t| t.map(|v| first + v)));
-        for component in found.components.clone() {
-            let Placed { path: other, object, transform } = component;
-            let other = other.as_deref().unwrap_or(path);
-            self.place(other, object, &(*world * transform), depth + 1, import)?;
-        }
-        Ok(())
+    ) -> Result<Rc<Part>, Fault> {
+        let Some(path) = &placed.path else { return Ok(own.clone()) };
+        // The time to look for a path is bounded along with the memory.
+        import.budget.take(path.len())?;
+        self.load(path, import)
     }
+
+    /// Adds the triangles of an object of `part` and of its components, however deep they are.
+    fn place(&mut self, part: Rc<Part>, item: &Placed, import: &mut Import) -> Result<(), Fault> {
+        let mut levels: Vec<Level> = Vec::new();
+        let mut open = HashSet::new();
+        let mut below = Some((part, item.object, item.transform));
+        loop {
+            if let Some((part, object, world)) = below.take() {
+                if !open.insert((part.number, object)) {
+                    let what = format!("{}: object {object} has components of itself", part.path);
+                    return Err(Fault::broken(what));
+                }
+                add(part.object(object)?, &world, import)?;
+                levels.push(Level { part, object, world, next: 0 });
+            }
+            let Some(level) = levels.last_mut() else { return Ok(()) };
+            let part = level.part.clone();
+            match part.object(level.object)?.components.get(level.next) {
+                Some(component) => {
+                    level.next += 1;
+                    let world = level.world * component.transform;
+                    let other = self.part(component, &part, import)?;
+                    below = Some((other, component.object, world));
+                }
+                None => {
+                    open.remove(&(part.number, level.object));
+                    levels.pop();
+                }
+            }
+        }
+    }
+}
+
+/// Adds the triangles of an object, without those of its components.
+fn add(object: &Object, world: &DMat4, import: &mut Import) -> Result<(), Fault> {
+    import.budget.take(PLACED)?;
+    let Import { mesh, budget, source, .. } = import;
+    let TriangleMesh { positions, triangles } = &object.mesh;
+    budget.check_growth(mesh, positions.len(), triangles.len())?;
+    let first = mesh.positions.len() as u32;
+    let moves = *world != DMat4::IDENTITY;
+    mesh.positions.extend(positions.iter().map(|&p| {
+        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
+        if source.in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
+    }));
+    mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
+    Ok(())
 }
 
 /// The part that relations say a package begins with.
@@ -168,30 +247,41 @@ fn within_package(path: &str) -> String {
 /// Reads a part with a model.
 fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
     let mut xml = Xml::new(path, bytes);
-    let mut part = Part::default();
+    let mut part = Part { path: path.to_owned(), ..Part::default() };
     let mut object = None;
+    let mut lattices = 0;
     while let Some(event) = xml.next()? {
         let (element, is_empty) = match event {
             Event::Start(element) => (element, false),
             Event::Empty(element) => (element, true),
             Event::End(end) if end.name().as_ref() == "object" => {
-                close(&mut part, &mut object);
+                close(&mut part, &mut object, &mut import.budget)?;
                 continue;
             }
             _ => continue,
         };
         match (element.name().as_ref(), &mut object) {
-            ("model", _) => check_required(&xml, &element)?,
-            ("object", _) => {
+            ("model", _) => {
+                check_required(&xml, &element)?;
+                part.unit = xml.text(&element, "unit")?;
+            }
+            ("object", Some((id, _))) => {
+                return Err(xml.fault(format!("object {id} has another object in it")));
+            }
+            ("object", None) => {
                 let name = xml.text(&element, "name")?.filter(|name| !name.is_empty());
                 let name = match name {
                     None => xml.text(&element, "partnumber")?.filter(|name| !name.is_empty()),
                     name => name,
                 };
                 let id = xml.number(&element, "id")?;
+                if part.objects.contains_key(&id) {
+                    return Err(xml.fault(format!("there are two objects {id}")));
+                }
+                import.budget.take(PLACED + name.as_ref().map_or(0, String::len))?;
                 object = Some((id, Object { name, ..Object::default() }));
                 if is_empty {
-                    close(&mut part, &mut object);
+                    close(&mut part, &mut object, &mut import.budget)?;
                 }
             }
             ("vertex", Some((_, Object { mesh, .. }))) => {
@@ -212,38 +302,50 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 import.budget.check_growth(&import.mesh, vertices, triangles)?;
             }
             ("component", Some((_, Object { components, .. }))) => {
-                import.budget.take(PLACED)?;
-                components.push(placed(&xml, &element)?);
+                components.push(placed(&xml, &element, &mut import.budget)?);
             }
             ("item", None) => {
-                import.budget.take(PLACED)?;
                 let name = xml.text(&element, "partnumber")?.filter(|name| !name.is_empty());
-                part.items.push(Item { placed: placed(&xml, &element)?, name });
+                import.budget.take(name.as_ref().map_or(0, String::len))?;
+                let placed = placed(&xml, &element, &mut import.budget)?;
+                part.items.push(Item { placed, name });
             }
             (name, Some(_)) if name.ends_with(":beamlattice") => {
-                import.notes.push(format!("{path}: a beam lattice is passed over"));
+                lattices += 1;
             }
             _ => {}
         }
     }
-    for Object { mesh, .. } in part.objects.values() {
-        import.budget.take(size_of_val(&mesh.positions[..]) + size_of_val(&mesh.triangles[..]))?;
+    if let Some((id, _)) = object {
+        return Err(xml.fault(format!("object {id} has no end")));
+    }
+    if lattices > 0 {
+        import.notes.push(format!("{path}: beam lattices are passed over: {lattices}"));
     }
     Ok(part)
 }
 
-/// Ends an object.
-fn close(part: &mut Part, object: &mut Option<(u32, Object)>) {
-    if let Some((id, object)) = object.take() {
-        part.objects.insert(id, object);
-    }
+/// Ends an object, whose mesh takes its part of the budget.
+fn close(
+    part: &mut Part,
+    object: &mut Option<(u32, Object)>,
+    budget: &mut Budget,
+) -> Result<(), Fault> {
+    let Some((id, mut object)) = object.take() else { return Ok(()) };
+    let TriangleMesh { positions, triangles } = &mut object.mesh;
+    budget.take(size_of_val(&positions[..]) + size_of_val(&triangles[..]))?;
+    positions.shrink_to_fit();
+    triangles.shrink_to_fit();
+    part.objects.insert(id, object);
+    Ok(())
 }
 
 /// Checks that extensions that are required leave geometry alone.
 fn check_required(xml: &Xml<'_>, element: &BytesStart<'_>) -> Result<(), Fault> {
     let required = xml.text(element, "requiredextensions")?.unwrap_or_default();
+    let namespaces = xml.namespaces(element)?;
     for prefix in required.split_whitespace() {
-        let space = xml.text(element, &format!("xmlns:{prefix}"))?.unwrap_or_default();
+        let space = namespaces.get(prefix).map_or("", |space| space);
         if !HARMLESS.iter().any(|part| space.contains(part)) {
             let what = format!("requires the extension {prefix} ({space}), which is not read");
             return Err(xml.fault(what));
@@ -253,7 +355,7 @@ fn check_required(xml: &Xml<'_>, element: &BytesStart<'_>) -> Result<(), Fault> 
 }
 
 /// An object and where it stands.
-fn placed(xml: &Xml<'_>, element: &BytesStart<'_>) -> Result<Placed, Fault> {
+fn placed(xml: &Xml<'_>, element: &BytesStart<'_>, budget: &mut Budget) -> Result<Placed, Fault> {
     let transform = match xml.text(element, "transform")? {
         None => DMat4::IDENTITY,
         Some(text) => {
@@ -265,79 +367,7 @@ fn placed(xml: &Xml<'_>, element: &BytesStart<'_>) -> Result<Placed, Fault> {
             DMat4::from_cols(column(0, 0.0), column(3, 0.0), column(6, 0.0), column(9, 1.0))
         }
     };
-    let path = xml.text(element, "p:path")?.map(|path| within_package(&path));
+    let path = xml.path(element)?.map(|path| within_package(&path));
+    budget.take(PLACED + path.as_ref().map_or(0, String::len))?;
     Ok(Placed { path, object: xml.number(element, "objectid")?, transform })
-}
-
-/// The XML of a part.
-struct Xml<'x> {
-    path: &'x str,
-    bytes: &'x [u8],
-    reader: Reader<&'x [u8]>,
-}
-
-impl<'x> Xml<'x> {
-    fn new(path: &'x str, bytes: &'x [u8]) -> Self {
-        Self { path, bytes, reader: Reader::from_reader(bytes) }
-    }
-
-    fn next(&mut self) -> Result<Option<Event<'x>>, Fault> {
-        match self.reader.read_event() {
-            Ok(Event::Eof) => Ok(None),
-            Ok(event) => Ok(Some(event)),
-            Err(error) => Err(self.fault(error.to_string())),
-        }
-    }
-
-    /// The line of the file that is being read.
-    fn line(&self) -> usize {
-        let read = self.bytes.get(..self.reader.buffer_position() as usize);
-        1 + read.unwrap_or_default().iter().filter(|&&byte| byte == b'\n').count()
-    }
-
-    fn fault(&self, what: impl std::fmt::Display) -> Fault {
-        Fault::line(self.line(), format!("{what} (in {})", self.path))
-    }
-
-    /// An attribute, with its entities resolved.
-    fn text(&self, element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Fault> {
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            if attribute.key.as_ref() == name {
-                let text = quick_xml::escape::unescape(&attribute.value);
-                let text = text.map_err(|error| self.fault(error))?;
-                return Ok(Some(text.into_owned()));
-            }
-        }
-        Ok(None)
-    }
-
-    /// An attribute that has to be there.
-    fn number<T: FromStr>(&self, element: &BytesStart<'_>, name: &str) -> Result<T, Fault> {
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            if attribute.key.as_ref() == name {
-                let number = attribute.value.trim().parse().ok();
-                return number.ok_or_else(|| self.fault(format!("{name} is no number")));
-            }
-        }
-        Err(self.fault(format!("{name} is missing")))
-    }
-
-    fn position(&self, element: &BytesStart<'_>, source: &mut Source) -> Result<[f64; 3], Fault> {
-        let mut position = [None; 3];
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            let axis = ["x", "y", "z"].iter().position(|axis| attribute.key.as_ref() == *axis);
-            if let Some(axis) = axis {
-                let number = coordinate(attribute.value.trim().as_bytes(), source);
-                position[axis] =
-                    Some(number.ok_or_else(|| self.fault("a coordinate is no number"))?);
-            }
-        }
-        let [Some(x), Some(y), Some(z)] = position else {
-            return Err(self.fault("a vertex without x, y or z"));
-        };
-        Ok([x, y, z])
-    }
 }

@@ -6,10 +6,14 @@
 mod bodies;
 #[path = "files/faces.rs"]
 mod faces;
+#[path = "files/gltf.rs"]
+mod gltf;
 #[path = "files/lenient.rs"]
 mod lenient;
 #[path = "files/samples.rs"]
 mod samples;
+#[path = "files/threemf.rs"]
+mod threemf;
 
 use pfront::Model;
 use pfront_files::{
@@ -201,7 +205,7 @@ fn faults_of_gltf() {
         (data, r#""uri":"http://localhost/","was":""#, "buffer 0: unsupported URI"),
         (r#""count":4"#, r#""count":5"#, "accessor 1 is empty, overlaps itself or leaves"),
         (r#""count":3"#, r#""count":2"#, "triangles of 2 corners"),
-        (r#""children":[2]"#, r#""children":[1]"#, "a node is below two others"),
+        (r#""children":[2]"#, r#""children":[1]"#, "node 1 is reached twice"),
         (r#""scenes":[{"nodes":[0,1]}],"#, "", "glTF"),
     ] {
         assert!(gltf.contains(from), "{from}");

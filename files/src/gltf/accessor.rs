@@ -28,7 +28,19 @@ pub(super) fn indices(
     numbers(accessor, Dimensions::Scalar, &types, buffers, budget)
 }
 
-/// The joints of vertices or their weights, and rotations.
+/// The joints of vertices, which are whole numbers from 0.
+pub(super) fn joints(
+    accessor: &Accessor<'_>,
+    buffers: &Buffers,
+    budget: &Budget,
+) -> Result<Vec<[f64; 4]>, Fault> {
+    if accessor.normalized() {
+        return Err(Fault::broken(format!("accessor {} is normalized", accessor.index())));
+    }
+    numbers(accessor, Dimensions::Vec4, &[DataType::U8, DataType::U16], buffers, budget)
+}
+
+/// The weights of vertices, and rotations.
 pub(super) fn fours(
     accessor: &Accessor<'_>,
     buffers: &Buffers,

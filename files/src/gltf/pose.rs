@@ -8,29 +8,71 @@ use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::accessor::Accessor;
 use gltf::mesh::Semantic;
 use gltf::{Document, Node, Primitive};
+use std::collections::HashMap;
+use std::rc::Rc;
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// The weights of morph targets, and the matrices of joints: world from mesh.
 pub(super) struct Pose {
     weights: Vec<f64>,
-    joints: Option<Vec<DMat4>>,
+    joints: Option<Rc<[DMat4]>>,
 }
+
+/// The matrices of the joints of skins, by the number of the skin.
+pub(super) type Skins = HashMap<usize, Rc<[DMat4]>>;
+
+/// The weights of the morph targets of a node.
+pub(super) fn weights<'d>(node: &Node<'d>) -> &'d [f32] {
+    let of_mesh = || node.mesh().and_then(|mesh| mesh.weights());
+    node.weights().or_else(of_mesh).unwrap_or_default()
+}
+
+/// The bytes of the numbers that move so many vertices: those of each morph target with a weight, and of each set of joints.
+pub(super) fn demand(
+    primitive: &Primitive<'_>,
+    weights: &[f32],
+    is_skinned: bool,
+    vertices: usize,
+) -> usize {
+    let targets = primitive.morph_targets().zip(weights);
+    let targets =
+        targets.filter(|(target, weight)| **weight != 0.0 && target.positions().is_some());
+    let moves = size_of::<[f64; 3]>().saturating_mul(targets.count());
+    let sets = if is_skinned { sets(primitive).count() } else { 0 };
+    let of_sets = size_of::<[[f64; 4]; 2]>().saturating_mul(sets);
+    let sums = if is_skinned { size_of::<Sum>() } else { 0 };
+    vertices.saturating_mul(moves.saturating_add(of_sets).saturating_add(sums))
+}
+
+/// The accessors of the joints and of the weights of each set.
+fn sets<'d>(primitive: &Primitive<'d>) -> impl Iterator<Item = (Accessor<'d>, Accessor<'d>)> {
+    (0..).map_while(|set| {
+        let joints = primitive.get(&Semantic::Joints(set))?;
+        Some((joints, primitive.get(&Semantic::Weights(set))?))
+    })
+}
+
+/// A vertex as its joints so far place it, times their weights, and these.
+type Sum = (DVec3, f64);
 
 impl Pose {
     /// The pose of a node; `worlds` are the matrices of all nodes of the scene.
     pub(super) fn new(
         node: &Node<'_>,
         worlds: &[Option<DMat4>],
+        skins: &mut Skins,
         buffers: &Buffers,
-        budget: &Budget,
+        budget: &mut Budget,
     ) -> Result<Self, Fault> {
-        let mesh = node.mesh();
-        let weights = node.weights().or_else(|| mesh.as_ref().and_then(gltf::Mesh::weights));
-        let weights = weights.unwrap_or_default().iter().map(|&w| w.into()).collect();
-        let Some(skin) = node.skin().filter(|_| mesh.is_some()) else {
+        let weights = weights(node).iter().map(|&w| w.into()).collect();
+        let Some(skin) = node.skin().filter(|_| node.mesh().is_some()) else {
             return Ok(Self { weights, joints: None });
         };
+        if let Some(joints) = skins.get(&skin.index()) {
+            return Ok(Self { weights, joints: Some(joints.clone()) });
+        }
+        budget.take(skin.joints().count().saturating_mul(size_of::<DMat4>()))?;
         let inverse = match skin.inverse_bind_matrices() {
             Some(matrices) => accessor::matrices(&matrices, buffers, budget)?,
             None => Vec::new(),
@@ -50,7 +92,9 @@ impl Pose {
                 None => world,
             })
         };
-        let joints = skin.joints().enumerate().map(joint).collect::<Result<_, Fault>>()?;
+        let joints: Rc<[DMat4]> =
+            skin.joints().enumerate().map(joint).collect::<Result<_, Fault>>()?;
+        skins.insert(skin.index(), joints.clone());
         Ok(Self { weights, joints: Some(joints) })
     }
 
@@ -76,21 +120,16 @@ impl Pose {
             }
         }
         let Some(matrices) = &self.joints else { return Ok(()) };
-        let mut sets = Vec::new();
-        for set in 0.. {
-            let get = |semantic| primitive.get(&semantic);
-            let (joints, weights) = (get(Semantic::Joints(set)), get(Semantic::Weights(set)));
-            let (Some(joints), Some(weights)) = (joints, weights) else { break };
-            let joints = accessor::fours(&joints, buffers, budget)?;
+        budget.check(positions.len().saturating_mul(size_of::<Sum>()))?;
+        let mut sums: Vec<Sum> = vec![(DVec3::ZERO, 0.0); positions.len()];
+        for (set, (joints, weights)) in sets(primitive).enumerate() {
+            let joints = accessor::joints(&joints, buffers, budget)
+                .map_err(|fault| fault.within(format_args!("JOINTS_{set}")))?;
             let weights = accessor::fours(&weights, buffers, budget)?;
             same_length("JOINTS", joints.len(), positions.len())?;
             same_length("WEIGHTS", weights.len(), positions.len())?;
-            sets.push((joints, weights));
-        }
-        for (vertex, position) in positions.iter_mut().enumerate() {
-            let at = DVec3::from(*position);
-            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-            for (joints, weights) in &sets {
+            for (vertex, (sum, total)) in sums.iter_mut().enumerate() {
+                let at = DVec3::from(positions[vertex]);
                 for (&joint, &weight) in joints[vertex].iter().zip(&weights[vertex]) {
                     if weight == 0.0 {
                         continue;
@@ -98,10 +137,12 @@ impl Pose {
                     let matrix = matrices.get(joint as usize).ok_or_else(|| {
                         Fault::broken(format!("vertex {vertex} has a joint {joint} of no skin"))
                     })?;
-                    sum += weight * matrix.transform_point3(at);
-                    total += weight;
+                    *sum += weight * matrix.transform_point3(at);
+                    *total += weight;
                 }
             }
+        }
+        for (vertex, (position, (sum, total))) in positions.iter_mut().zip(sums).enumerate() {
             // Weights that are written as integers do not sum up to 1.
             if total > 0.0 {
                 *position = (sum / total).to_array();

@@ -7,8 +7,8 @@ use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-const PLATE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-const PIN: [[f32; 3]; 3] = [[0.25, 0.25, -1.0], [0.375, 0.25, -1.0], [0.25, 0.375, 1.0]];
+pub(super) const PLATE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+pub(super) const PIN: [[f32; 3]; 3] = [[0.25, 0.25, -1.0], [0.375, 0.25, -1.0], [0.25, 0.375, 1.0]];
 
 pub(super) fn obj(statement: &str) -> String {
     let vertices = |body: [[f32; 3]; 3]| body.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
@@ -27,7 +27,7 @@ fn stl() -> String {
 }
 
 /// A document of two meshes and some nodes; the buffer holds the plate, the pin, and numbers that follow.
-fn gltf(nodes: &str, rest: &str, more: &[u8]) -> Vec<u8> {
+pub(super) fn gltf(nodes: &str, rest: &str, more: &[u8]) -> Vec<u8> {
     let corners = [PLATE, PIN];
     let buffer = [bytemuck::cast_slice(corners.as_flattened().as_flattened()), more].concat();
     let length = buffer.len();
@@ -45,10 +45,10 @@ fn gltf(nodes: &str, rest: &str, more: &[u8]) -> Vec<u8> {
     [b"glTF\x02\0\0\0", &(12 + chunks.len() as u32).to_le_bytes()[..], &chunks].concat()
 }
 
-const NODES: &str = r#"{"mesh":0,"name":"plate"},{"mesh":1,"name":"pin"}"#;
+pub(super) const NODES: &str = r#"{"mesh":0,"name":"plate"},{"mesh":1,"name":"pin"}"#;
 
 /// The accessors of the plate and the pin, and others.
-fn meshes(attributes: &str, accessors: &str) -> String {
+pub(super) fn meshes(attributes: &str, accessors: &str) -> String {
     format!(
         r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}},
         {{"primitives":[{{"attributes":{{"POSITION":1{attributes}}}}}]}}],"accessors":[
@@ -57,7 +57,7 @@ fn meshes(attributes: &str, accessors: &str) -> String {
     )
 }
 
-fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+pub(super) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, text) in parts {
         zip.start_file(*name, SimpleFileOptions::default()).unwrap();
@@ -66,7 +66,7 @@ fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-fn object(id: u32, name: &str, body: [[f32; 3]; 3]) -> String {
+pub(super) fn object(id: u32, name: &str, body: [[f32; 3]; 3]) -> String {
     let vertex = |[x, y, z]: [f32; 3]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>\n");
     let vertices = body.map(vertex).concat();
     format!(
@@ -75,7 +75,7 @@ fn object(id: u32, name: &str, body: [[f32; 3]; 3]) -> String {
     )
 }
 
-fn model(attributes: &str, resources: &str, items: &str) -> String {
+pub(super) fn model(attributes: &str, resources: &str, items: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<model unit=\"millimeter\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
          {attributes}><resources>{resources}</resources><build>{items}</build></model>"
