@@ -33,7 +33,7 @@ static void executors(void)
 #if WORKERS == 1
     EXPECT(PFRONT_OUT_OF_RANGE, "workers", pfront_executor_create(PFRONT_CPU, 2, &none, &error));
 #endif
-#ifdef WITHOUT_GPU
+#ifndef WITH_GPU
     EXPECT(PFRONT_NO_DEVICE, "device", pfront_executor_create(PFRONT_GPU, 1, &none, &error));
     EXPECT(PFRONT_NO_DEVICE, "device", pfront_executor_create(PFRONT_AUTO, 1, &none, &error));
 #endif
@@ -225,7 +225,7 @@ static void forked(void)
         OK(pfront_batch_count(own, &subject, 1, &many, &error));
         THAT(many > 0);
         OK(pfront_executor_free(own, &error));
-#ifndef WITHOUT_GPU
+#ifdef WITH_GPU
         EXPECT(PFRONT_FORKED, "device", pfront_executor_create(PFRONT_GPU, 1, &own, &error));
 #endif
         if (WORKERS > 1 || DEVICE != PFRONT_CPU) {
