@@ -23,7 +23,7 @@ use pfront::Executor;
 pub enum pfront_device_t {
     /// The CPU.
     PFRONT_CPU = 0,
-    /// The best GPU, always; what no GPU decides, such as bodies in f64, is decided on the CPU.
+    /// The best GPU, always; what no GPU decides, such as bodies in f64, the workers do.
     PFRONT_GPU = 1,
     /// The CPU, or the best GPU where that pays.
     PFRONT_AUTO = 2,
@@ -95,25 +95,26 @@ fn threads(workers: u32) -> Result<Executor, Fault> {
     Ok(Executor::sequential())
 }
 
+/// The same and the best GPU, which answers where that pays, or always.
 #[cfg(feature = "gpu")]
-fn gpu(cpu: Option<Executor>) -> Result<Executor, Fault> {
+fn with_gpu(cpu: Executor, always: bool) -> Result<Executor, Fault> {
     own_process(c"device")?;
     let gpu = pfront::gpu::Gpu::new().map_err(|_| Fault::of(PFRONT_NO_DEVICE, c"device"))?;
     let settings = gpu.settings();
-    match cpu {
-        None => Ok(Executor::gpu(&gpu, settings)),
-        Some(cpu) => Ok(cpu.and_gpu(&gpu, settings).map_err(pfront::Error::from)?),
+    match always {
+        true => Ok(cpu.behind_gpu(&gpu, settings)),
+        false => Ok(cpu.and_gpu(&gpu, settings).map_err(pfront::Error::from)?),
     }
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_: Option<Executor>) -> Result<Executor, Fault> {
+fn with_gpu(_: Executor, _: bool) -> Result<Executor, Fault> {
     Err(Fault::of(PFRONT_NO_DEVICE, c"device"))
 }
 
 /// Makes an executor of a `pfront_device_t`. With `workers` above 1, which needs a library that was built with threads, a frame
 /// that is worth it is divided into as many parts, for as many threads as the machine has cores; else the calling thread works
-/// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. PFRONT_GPU does not look at it.
+/// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. Under PFRONT_GPU the workers answer what a GPU does not.
 ///
 /// PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
 /// measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
@@ -132,10 +133,10 @@ pub unsafe extern "C" fn pfront_executor_create(
         Fault::below(c"device", device as usize, 3)?;
         const GPU: u32 = pfront_device_t::PFRONT_GPU as u32;
         const CPU: u32 = pfront_device_t::PFRONT_CPU as u32;
+        let cpu = threads(workers)?;
         let executor = match device {
-            GPU => gpu(None)?,
-            CPU => threads(workers)?,
-            _ => gpu(Some(threads(workers)?))?,
+            CPU => cpu,
+            _ => with_gpu(cpu, device == GPU)?,
         };
         let has_either = device != CPU || workers > 1;
         let process = NonZero::new(std::process::id()).filter(|_| has_either);

@@ -41,13 +41,10 @@ impl ExecutorArgs {
     /// # Errors
     /// If there is no adapter, none that could do it, or no pool of as many threads.
     pub fn open(&self) -> Result<Executor> {
-        if self.backend == Backend::Gpu {
-            let gpu = Gpu::new()?;
-            return Ok(Executor::gpu(&gpu, gpu.settings()));
-        }
         let cpu = threads(number(self.threads))?;
         match self.backend.open()? {
-            Some(gpu) => Ok(cpu.and_gpu(&gpu, gpu.settings())?),
+            Some(gpu) if self.is_auto() => Ok(cpu.and_gpu(&gpu, gpu.settings())?),
+            Some(gpu) => Ok(cpu.behind_gpu(&gpu, gpu.settings())),
             None => Ok(cpu),
         }
     }

@@ -1,9 +1,9 @@
 //! Questions about two models in many poses.
 
+use crate::asking::wait;
 use crate::ending::Inside;
 use crate::errors::exception;
 use crate::executor::Executor;
-use crate::submission::Submission;
 use crate::threads::apart;
 use pfront::{AnyPose, Batch, Error, Model, Ticket};
 use pyo3::exceptions::PyRuntimeError;
@@ -31,7 +31,7 @@ impl PoseBatch<'_> {
         mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
     ) -> PyResult<()> {
         let Self { models: [a, b], poses, progress } = self;
-        let to = Submission::new(py, on, false)?;
+        let executor = on.for_batches(py)?;
         let own = process::id();
         let mut batch = Batch::new();
         let mut done = 0;
@@ -41,10 +41,10 @@ impl PoseBatch<'_> {
                 for (i, pose) in chunk.iter().enumerate() {
                     batch.pair(a, b, *pose).map_err(|error| (error, Some(done + i)))?;
                 }
-                verb(&mut batch, &to.executor).map_err(|error| (error, None))
+                verb(&mut batch, &executor).map_err(|error| (error, None))
             };
             let ticket = apart(py, start).map_err(|(error, pose)| exception(py, error, pose))?;
-            read(chunk, to.wait(py, on, ticket)?)?;
+            read(chunk, wait(py, on, ticket)?)?;
             done += chunk.len();
             if let Some(progress) = progress {
                 let _inside = Inside::enter();
@@ -52,7 +52,7 @@ impl PoseBatch<'_> {
             }
             if own != process::id() {
                 // The threads and the device of this question are not here.
-                mem::forget((batch, to));
+                mem::forget((batch, executor));
                 return Err(PyRuntimeError::new_err(
                     "the process was forked inside a question: ask again here",
                 ));

@@ -1,23 +1,26 @@
 //! Where pairs meet.
 
 use crate::arrays::{list, pair_array, points};
+use crate::asking::ask;
 use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::Executor;
 use crate::memory::{push, reserve};
 use crate::model::Model;
-use crate::question::{Question, Subject, listed};
-use crate::threads::apart;
+use crate::question::{Question, Subject, answered};
 use bytemuck::Pod;
 use pfront::pfront_core::bvtt::{AnyBvtt, Query};
 use pfront::threads::rayon::ThreadPool;
 use pfront::threads::rayon::prelude::*;
-use pfront::{AnyPose, Batch, Contact, Error, PairLists, TrianglePair};
+use pfront::{AnyPose, Batch, Contact, Error, PairLists, PairQuery, SelfQuery, TrianglePair};
 use pyo3::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Contacts between two looks at signals.
-const CONTACTS: usize = 1 << 13;
+/// Contacts from which on all threads look for them.
+const MANY: usize = 1 << 13;
+/// Contacts that one thread finds at a time, between two looks at the flag.
+const BLOCK: usize = 1 << 9;
 
 /// The list of arrays that tell contacts: pairs, segments, normals and whether each is flat.
 pub(crate) type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>, Py<PyAny>);
@@ -37,33 +40,68 @@ impl<C> Default for Columns<C> {
 }
 
 impl<C: Copy> Columns<C> {
-    pub(crate) fn len(&self) -> usize {
-        self.pairs.len()
-    }
-
     /// Makes room for more contacts.
-    pub(crate) fn reserve(&mut self, more: usize) -> Result<(), Error> {
+    fn reserve(&mut self, more: usize) -> Result<(), Error> {
         reserve(&mut self.pairs, more)?;
         reserve(&mut self.segments, more)?;
         reserve(&mut self.normals, more)?;
         reserve(&mut self.flat, more)
     }
 
-    pub(crate) fn push(&mut self, pair: TrianglePair, contact: &Contact<C>) -> Result<(), Error> {
+    fn push(&mut self, pair: TrianglePair, contact: &Contact<C>) -> Result<(), Error> {
         push(&mut self.pairs, pair)?;
         push(&mut self.segments, contact.segment)?;
         push(&mut self.normals, contact.normals)?;
         push(&mut self.flat, contact.is_flat)
     }
 
-    fn extend(&mut self, found: &[Found<C>]) -> Result<(), Error> {
+    fn append(&mut self, mut more: Self) -> Result<(), Error> {
+        if self.pairs.is_empty() {
+            *self = more;
+            return Ok(());
+        }
+        self.reserve(more.pairs.len())?;
+        self.pairs.append(&mut more.pairs);
+        self.segments.append(&mut more.segments);
+        self.normals.append(&mut more.normals);
+        self.flat.append(&mut more.flat);
+        Ok(())
+    }
+
+    fn extend(&mut self, found: &[(TrianglePair, Contact<C>)]) -> Result<(), Error> {
         self.reserve(found.len())?;
-        found.iter().flatten().try_for_each(|(pair, contact)| self.push(*pair, contact))
+        found.iter().try_for_each(|(pair, contact)| self.push(*pair, contact))
+    }
+
+    /// The contacts of a list, whose items name pairs.
+    pub(crate) fn of<H>(
+        contacts: &[(H, Contact<C>)],
+        pair: impl Fn(&H) -> TrianglePair,
+    ) -> Result<Self, Error> {
+        let mut columns = Self::default();
+        columns.reserve(contacts.len())?;
+        contacts.iter().try_for_each(|(hit, contact)| columns.push(pair(hit), contact))?;
+        Ok(columns)
+    }
+}
+
+/// Contacts in the precision of their question.
+pub(crate) enum Found {
+    F32(Columns<f32>),
+    F64(Columns<f64>),
+}
+
+impl Found {
+    pub(crate) fn into_arrays(self, py: Python<'_>) -> PyResult<Arrays> {
+        match self {
+            Self::F32(found) => found.into_arrays(py),
+            Self::F64(found) => found.into_arrays(py),
+        }
     }
 }
 
 impl<C: numpy::Element + Pod> Columns<C> {
-    pub(crate) fn into_arrays(self, py: Python<'_>) -> PyResult<Arrays> {
+    fn into_arrays(self, py: Python<'_>) -> PyResult<Arrays> {
         Ok((
             pair_array(py, self.pairs)?,
             points(py, self.segments)?,
@@ -73,127 +111,76 @@ impl<C: numpy::Element + Pod> Columns<C> {
     }
 }
 
-/// A pair and where it meets, if it does.
-type Found<C> = Option<(TrianglePair, Contact<C>)>;
-
 /// Where two triangles meet, in either precision.
 type ContactOf<C> = fn(&AnyBvtt<'_>, TrianglePair) -> Option<Contact<C>>;
 
-/// Finds where pairs meet, in their order, on threads if there are some.
-fn find<C: Send>(
-    subject: &Subject,
-    pairs: &[TrianglePair],
-    pool: Option<&ThreadPool>,
-    contact: ContactOf<C>,
-    out: &mut Vec<Found<C>>,
-) -> Result<(), Error> {
-    out.clear();
-    reserve(out, pairs.len())?;
-    let tree = subject.tree()?;
-    let contact = |&pair: &TrianglePair| Some((pair, contact(&tree, pair)?));
-    match pool {
-        Some(pool) => pool.install(|| {
-            pairs.par_iter().with_min_len(512).map(contact).collect_into_vec(out);
-        }),
-        None => out.extend(pairs.iter().map(contact)),
-    }
-    Ok(())
+/// Two models in some poses, and which pairs meet in each.
+struct Met {
+    models: [Arc<pfront::Model>; 2],
+    poses: Vec<AnyPose>,
+    lists: PairLists,
 }
 
-/// Adds the contacts of one subject, while signals are heard.
-fn locate<C: Copy + Send>(
-    py: Python<'_>,
-    columns: &mut Columns<C>,
-    subject: &Subject,
-    pairs: &[TrianglePair],
-    pool: Option<&ThreadPool>,
-    contact: ContactOf<C>,
-) -> PyResult<()> {
-    let mut out = Vec::new();
-    apart(py, || columns.reserve(pairs.len())).map_err(|error| exception(py, error, None))?;
-    for pairs in pairs.chunks(CONTACTS) {
-        let pool = pool.filter(|_| pairs.len() >= CONTACTS);
-        let locate = || {
-            find(subject, pairs, pool, contact, &mut out)?;
-            columns.extend(&out)
+impl Met {
+    /// The contacts of one pose after the other, and how many each has.
+    fn contacts<C: Copy + Send>(
+        &self,
+        pool: Option<&ThreadPool>,
+        cancel: &AtomicBool,
+        contact: ContactOf<C>,
+    ) -> Result<(Columns<C>, Vec<usize>), Error> {
+        let mut blocks = Vec::new();
+        for (pose, list) in self.lists.iter().enumerate() {
+            list.chunks(BLOCK).try_for_each(|pairs| push(&mut blocks, (pose, pairs)))?;
+        }
+        let locate = |&(pose, pairs): &(usize, &[TrianglePair])| {
+            if cancel.load(Relaxed) {
+                return Err(Error::Cancelled);
+            }
+            let subject = Subject::Pair { models: self.models.clone(), a_from_b: self.poses[pose] };
+            let (tree, mut found) = (subject.tree()?, Vec::new());
+            reserve(&mut found, pairs.len())?;
+            found.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(&tree, pair)?))));
+            Ok(found)
         };
-        apart(py, locate).map_err(|error| exception(py, error, None))?;
-        py.check_signals()?;
+        let found: Result<Vec<_>, Error> = match pool {
+            Some(pool) if self.lists.pairs().len() >= MANY => {
+                pool.install(|| blocks.par_iter().map(locate).collect())
+            }
+            _ => blocks.iter().map(locate).collect(),
+        };
+        let (mut columns, mut counts) = (Columns::default(), vec![0; self.poses.len()]);
+        for ((pose, _), found) in blocks.iter().zip(found?) {
+            columns.extend(&found)?;
+            counts[*pose] += found.len();
+        }
+        Ok((columns, counts))
     }
-    Ok(())
-}
-
-/// The threads, unless they are at something long.
-fn pool(py: Python<'_>, on: &Executor) -> Option<Arc<ThreadPool>> {
-    let made = on.made(py);
-    if made.is_busy() { None } else { made.pool }
-}
-
-/// The contacts of one subject.
-fn located<C: Copy + Send>(
-    py: Python<'_>,
-    subject: &Subject,
-    pairs: &[TrianglePair],
-    on: &Executor,
-    contact: ContactOf<C>,
-) -> PyResult<Columns<C>> {
-    let mut columns = Columns::default();
-    locate(py, &mut columns, subject, pairs, pool(py, on).as_deref(), contact)?;
-    Ok(columns)
 }
 
 /// The contacts of many poses, and where those of each begin and end.
-fn swept<C: Copy + Send>(
+fn swept<C: Copy + Send + 'static>(
     py: Python<'_>,
     many: &PoseBatch<'_>,
     on: &Executor,
     contact: ContactOf<C>,
 ) -> PyResult<(Columns<C>, Vec<i64>)> {
     let (mut columns, mut offsets) = (Columns::default(), vec![0]);
-    let (models, pool) = (&many.models, pool(py, on));
-    many.ask(py, on, Batch::all, |poses, lists: PairLists| {
-        let of_pose = |(&a_from_b, pairs): (&AnyPose, &[TrianglePair])| {
-            let subject = Subject::Pair { models: models.clone(), a_from_b };
-            let mut out = Vec::new();
-            find(&subject, pairs, None, contact, &mut out)?;
-            Ok(out)
-        };
-        let questions: Vec<_> = poses.iter().zip(lists.iter()).collect();
-        // A group has as many pairs as are located between two looks at signals, or one pose.
-        let mut rest = &questions[..];
-        while !rest.is_empty() {
-            let mut pairs = 0;
-            let count = rest.iter().take_while(|(_, list)| {
-                let is_in = pairs < CONTACTS;
-                pairs += list.len();
-                is_in
-            });
-            let (group, later) = rest.split_at(count.count());
-            rest = later;
-            if let &[(&a_from_b, pairs)] = group {
-                let subject = Subject::Pair { models: models.clone(), a_from_b };
-                locate(py, &mut columns, &subject, pairs, pool.as_deref(), contact)?;
-                let ended = push(&mut offsets, columns.len() as i64);
-                ended.map_err(|error| exception(py, error, None))?;
-                continue;
-            }
-            let group = || {
-                let found: Result<Vec<_>, Error> = match &pool {
-                    Some(pool) if pairs >= CONTACTS => {
-                        pool.install(|| group.par_iter().copied().map(of_pose).collect())
-                    }
-                    _ => group.iter().copied().map(of_pose).collect(),
-                };
-                for contacts in found? {
-                    columns.extend(&contacts)?;
-                    push(&mut offsets, columns.len() as i64)?;
-                }
-                Ok(())
-            };
-            apart(py, group).map_err(|error| exception(py, error, None))?;
-            py.check_signals()?;
-        }
-        Ok(())
+    let pool = on.made(py).pool;
+    many.ask(py, on, Batch::all, |poses, lists| {
+        let met = Met { models: many.models.clone(), poses: poses.to_vec(), lists };
+        let (pool, cancel) = (pool.clone(), Arc::<AtomicBool>::default());
+        let (flag, is_long) = (cancel.clone(), met.lists.pairs().len() >= MANY);
+        let question = move |_: &_| Ok((met.contacts(pool.as_deref(), &flag, contact)?, None));
+        let (found, counts) = ask(py, on, &cancel, is_long, question)?;
+        let joined = columns.append(found).and_then(|()| {
+            let mut end = offsets.last().copied().unwrap_or(0);
+            counts.iter().try_for_each(|&count| {
+                end += count as i64;
+                push(&mut offsets, end)
+            })
+        });
+        joined.map_err(|error| exception(py, error, None))
     })?;
     Ok((columns, offsets))
 }
@@ -210,15 +197,15 @@ pub fn contacts(
 ) -> PyResult<(Arrays, Option<Py<PyAny>>)> {
     match Question::new(py, a, b, pose.as_ref(), progress)? {
         Question::One(subject) => {
-            let pairs = listed(py, &subject, on, None)?;
-            let arrays = if subject.is_f64() {
-                located(py, &subject, &pairs, on, |tree, pair| tree.contact_f64(pair))?
-                    .into_arrays(py)?
-            } else {
-                located(py, &subject, &pairs, on, |tree, pair| tree.contact(pair))?
-                    .into_arrays(py)?
-            };
-            Ok((arrays, None))
+            let found = subject.ask(py, on, |subject, executor| match subject.is_f64() {
+                true => answered!(subject, executor, contacts_f64, |contacts: Vec<_>| {
+                    Ok(Found::F64(Columns::of(&contacts, |&pair| pair)?))
+                }),
+                false => answered!(subject, executor, contacts, |contacts| {
+                    Ok(Found::F32(Columns::of(contacts, |&pair| pair)?))
+                }),
+            })?;
+            Ok((found.into_arrays(py)?, None))
         }
         Question::Many(many) => {
             let (arrays, offsets) = if many.is_f64() {

@@ -2,7 +2,8 @@
 
 use crate::errors::device;
 use crate::lock::lock;
-use crate::threads::{apart, heard};
+use crate::threads::{apart, heard, heard_as};
+use pfront::executor::{Backend, Plan, Reason};
 use pfront::gpu::{Gpu, wgpu};
 use pfront::threads::Pool;
 use pfront::threads::rayon::{ThreadPool, ThreadPoolBuilder};
@@ -95,9 +96,26 @@ impl Executor {
 }
 
 impl Executor {
-    /// Notes who has answered.
-    pub(crate) fn note(&self, answered: String) {
-        *lock(&self.answered) = answered;
+    /// Notes who has answered; one thread, if there is no plan.
+    pub(crate) fn note(&self, plan: Option<&Plan>) {
+        let mut words = match plan {
+            None => Backend::Sequential.to_string(),
+            // There was nothing to choose.
+            Some(Plan { backend, reason: Reason::NoChoice, .. }) => backend.to_string(),
+            Some(plan) => plan.to_string().replace("f64", "float64"),
+        };
+        if plan.is_some_and(|plan| plan.backend == Backend::Threads) {
+            words = format!("{} {words}", self.threads);
+        }
+        *lock(&self.answered) = words;
+    }
+
+    /// The executor of questions that are submitted: "auto" knows nothing of earlier frames there, and is the CPU.
+    pub(crate) fn for_batches(&self, py: Python<'_>) -> PyResult<pfront::Executor> {
+        match self.device {
+            Device::Gpu => self.on_device(py),
+            Device::Cpu | Device::Auto => Ok(self.made(py).cpu),
+        }
     }
 
     /// The threads and executors of this process, made if they are not there.
@@ -121,7 +139,8 @@ impl Executor {
         }
         driver()?;
         let (cpu, own) = (made.cpu.clone(), self.device);
-        let opened = heard(py, &Arc::default(), move || open(cpu, own))?.map_err(device)?;
+        let open = move || open(cpu, own);
+        let opened = heard_as(py, "pfront device", &Arc::default(), open)?.map_err(device)?;
         let kept = self.keep(Made { device: Some(opened.clone()), ..made });
         Ok(kept.device.unwrap_or(opened))
     }
@@ -189,7 +208,7 @@ impl Made {
 
 fn open(cpu: pfront::Executor, device: Device) -> Result<pfront::Executor, String> {
     match (Gpu::new(), device) {
-        (Ok(gpu), Device::Gpu) => Ok(pfront::Executor::gpu(&gpu, gpu.settings())),
+        (Ok(gpu), Device::Gpu) => Ok(cpu.behind_gpu(&gpu, gpu.settings())),
         (Ok(gpu), _) if is_hardware(&gpu) => {
             cpu.and_gpu(&gpu, gpu.settings()).map_err(|error| error.to_string())
         }

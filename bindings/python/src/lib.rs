@@ -8,6 +8,7 @@
 #![expect(unreachable_pub, reason = "the macros of pyo3 write public items")]
 
 mod arrays;
+mod asking;
 mod batch;
 mod contacts;
 mod ending;
@@ -22,7 +23,6 @@ mod part;
 mod poses;
 mod question;
 mod scene;
-mod submission;
 mod threads;
 mod watchdog;
 

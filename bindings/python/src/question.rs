@@ -1,35 +1,24 @@
 //! Questions about one model or two.
 
 use crate::arrays::{list, pair_array};
+use crate::asking::{Answered, ask};
 use crate::batch::PoseBatch;
 use crate::errors::exception;
-use crate::executor::{Device, Executor};
+use crate::executor::Executor;
 use crate::memory;
 use crate::model::Model;
-use crate::part::starts;
+use crate::part::{Part, PartQuery};
 use crate::poses::Poses;
-use crate::submission::Submission;
-use crate::threads::{apart, heard};
-use pfront::pfront_core::bvtt::{AnyBvtt, Cursor, Query, SelfBvtt};
-use pfront::{Adjacency, AnyPose, Batch, Error, Ticket, TrianglePair};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use crate::threads::apart;
+use pfront::pfront_core::bvtt::{AnyBvtt, SelfBvtt};
+use pfront::{AnyPose, Batch, Error, PairQuery, SelfQuery};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
-/// Tests that a question gets on the calling thread before other threads are called: about half a millisecond.
-const ALONE: u64 = 1 << 14;
-/// Tests between the first two looks at signals, and the fewest: less than a millisecond, of coplanar triangles some more.
-const STEP: u64 = 1 << 12;
-/// The time between two looks at signals, to which the number of tests follows.
-const PAUSE: Duration = Duration::from_millis(4);
-/// Pairs that are sorted on a thread of their own, since that takes longer than signals may wait.
-const SORTED: usize = 1 << 18;
-/// Parts whose node pairs are found on a thread of their own.
-const PARTS: usize = 1 << 10;
-/// Triangles whose one-rings are looked at on a thread of their own.
+/// Triangles whose one-rings take longer to look at than signals may wait.
 const RINGS: usize = 1 << 19;
 
 /// The subject of a question.
@@ -38,6 +27,25 @@ pub(crate) enum Subject {
     Pair { models: [Arc<pfront::Model>; 2], a_from_b: AnyPose },
     Within { model: Arc<pfront::Model> },
 }
+
+/// Asks a verb about a subject, and makes of its answer what is told.
+macro_rules! answered {
+    ($subject:expr, $executor:expr, $verb:ident, $told:expr) => {
+        match $subject {
+            Subject::Pair { models: [a, b], a_from_b } => {
+                let mut query = PairQuery::new().on($executor);
+                let told = query.$verb(a, b, *a_from_b).and_then($told)?;
+                Ok((told, query.plan().cloned()))
+            }
+            Subject::Within { model } => {
+                let mut query = SelfQuery::new().on($executor);
+                let told = query.$verb(model).and_then($told)?;
+                Ok((told, query.plan().cloned()))
+            }
+        }
+    };
+}
+pub(crate) use answered;
 
 impl Subject {
     pub(crate) fn is_f64(&self) -> bool {
@@ -49,39 +57,39 @@ impl Subject {
         }
     }
 
-    /// Whether a GPU is not asked: about a model in float64 and itself.
-    fn is_for_cpu(&self) -> bool {
-        matches!(self, Self::Within { model } if model.is_f64())
+    /// Asks about it.
+    pub(crate) fn ask<T: Send + 'static>(
+        self,
+        py: Python<'_>,
+        on: &Executor,
+        question: impl Fn(&Self, &pfront::Executor) -> Answered<T> + Send + Sync + 'static,
+    ) -> PyResult<T> {
+        let triangles = |model: &pfront::Model| model.mesh().triangles().len();
+        let is_long = matches!(&self, Self::Within { model } if triangles(model) > RINGS);
+        ask(py, on, &Arc::default(), is_long, move |executor| question(&self, executor))
     }
 
-    /// Makes what is made once for a model and takes long, while signals are heard.
-    fn prepare(&self, py: Python<'_>) -> PyResult<()> {
-        match self {
-            Self::Within { model } if model.mesh().triangles().len() > RINGS => {
-                let model = model.clone();
-                heard(py, &Arc::default(), move || {
-                    let _ = model.certificates();
-                })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn add_to(&self, batch: &mut Batch) -> Result<(), Error> {
-        match self {
-            Self::Pair { models: [a, b], a_from_b } => batch.pair(a, b, a_from_b),
-            Self::Within { model } => {
-                batch.within(model, Adjacency::default());
-                Ok(())
-            }
-        }
+    /// Asks about a part of it, which one thread answers.
+    fn ask_part<T: Send + 'static>(
+        self,
+        py: Python<'_>,
+        on: &Executor,
+        part: Part,
+        question: impl Fn(&PartQuery<'_>) -> Result<T, Error> + Send + Sync + 'static,
+    ) -> PyResult<T> {
+        let cancel = Arc::<AtomicBool>::default();
+        let flag = cancel.clone();
+        ask(py, on, &cancel, part.is_long(), move |_| {
+            let answer = question(&PartQuery { tree: &self.tree()?, part, cancel: &flag })?;
+            Ok((answer, None))
+        })
     }
 
     /// The BVTT.
     pub(crate) fn tree(&self) -> Result<AnyBvtt<'_>, Error> {
         Ok(match self {
-            Self::Pair { models, a_from_b } => {
-                AnyBvtt::Pair(a_from_b.pair(models.each_ref().map(|model| model.bvh()))?)
+            Self::Pair { models: [a, b], a_from_b } => {
+                AnyBvtt::Pair(a_from_b.pair([a.bvh(), b.bvh()])?)
             }
             Self::Within { model } => {
                 let tree = SelfBvtt::new(model.bvh());
@@ -119,97 +127,6 @@ impl<'py> Question<'py> {
     }
 }
 
-/// The node pairs of a part, or the root.
-fn cursors(subject: &Subject, part: Option<(usize, usize)>) -> Result<Vec<Cursor>, Error> {
-    let tree = subject.tree()?;
-    match part {
-        None => memory::collect([tree.start()].into_iter()),
-        Some((i, n)) => memory::collect(starts(&tree, i, n)?.into_iter().map(Cursor::at)),
-    }
-}
-
-/// One step of a traversal on the calling thread. Returns whether nothing is left.
-fn step(
-    tree: &AnyBvtt<'_>,
-    cursors: &mut Vec<Cursor>,
-    budget: u64,
-    visit: &mut impl FnMut(TrianglePair) -> ControlFlow<()>,
-) -> bool {
-    let mut left = budget;
-    while let Some(cursor) = cursors.last_mut() {
-        let before = cursor.work.box_tests + cursor.work.triangle_tests;
-        if tree.step(cursor, left, &mut *visit).is_break() {
-            return true;
-        }
-        if !cursor.is_done() {
-            return false;
-        }
-        let after = cursor.work.box_tests + cursor.work.triangle_tests;
-        left = left.saturating_sub(after - before).max(1);
-        cursors.pop();
-    }
-    true
-}
-
-/// Traverses on the calling thread, in steps between which signals are heard. Returns whether the traversal ended; with
-/// several threads it does not where they are worth calling.
-fn alone(
-    py: Python<'_>,
-    subject: &Subject,
-    on: &Executor,
-    part: Option<(usize, usize)>,
-    mut visit: impl FnMut(TrianglePair) -> ControlFlow<()> + Send,
-) -> PyResult<bool> {
-    if let Some((i, n)) = part
-        && i >= n
-    {
-        return Err(PyValueError::new_err(format!("part {i} of {n} is none")));
-    }
-    subject.prepare(py)?;
-    let cursors = if part.is_some_and(|(_, n)| n > PARTS) {
-        let subject = subject.clone();
-        heard(py, &Arc::default(), move || cursors(&subject, part))?
-    } else {
-        apart(py, || cursors(subject, part))
-    };
-    let mut cursors = cursors.map_err(|error| exception(py, error, None))?;
-    let is_alone = on.threads == 1 || part.is_some();
-    let mut budget = if is_alone { STEP } else { ALONE };
-    loop {
-        let began = Instant::now();
-        let step = || Ok(step(&subject.tree()?, &mut cursors, budget, &mut visit));
-        if apart(py, step).map_err(|error| exception(py, error, None))? {
-            on.note(BEGAN.into());
-            return Ok(true);
-        }
-        py.check_signals()?;
-        if !is_alone {
-            return Ok(false);
-        }
-        budget = if began.elapsed() < PAUSE { 2 * budget } else { (budget / 2).max(STEP) };
-    }
-}
-
-/// The answer to who has answered where the calling thread has.
-const BEGAN: &str = "one thread: the question ended before others were worth calling";
-
-/// Submits one question to threads or a GPU.
-fn submit<T: Send>(
-    py: Python<'_>,
-    subject: &Subject,
-    on: &Executor,
-    verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
-) -> PyResult<T> {
-    let to = Submission::new(py, on, subject.is_for_cpu())?;
-    let mut batch = Batch::new();
-    let mut start = || {
-        subject.add_to(&mut batch)?;
-        verb(&mut batch, &to.executor)
-    };
-    let ticket = apart(py, &mut start).map_err(|error| exception(py, error, None))?;
-    to.wait(py, on, ticket)
-}
-
 /// Whether some pair meets.
 #[pyfunction]
 pub fn any(
@@ -220,26 +137,22 @@ pub fn any(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Py<PyAny>> {
-    let subject = match Question::new(py, a, b, pose.as_ref(), progress)? {
-        Question::One(subject) => subject,
+    match Question::new(py, a, b, pose.as_ref(), progress)? {
+        Question::One(subject) => {
+            let found = subject.ask(py, on, |subject, executor| {
+                answered!(subject, executor, any, |hit: Option<_>| Ok(hit.is_some()))
+            })?;
+            Ok(PyBool::new(py, found).to_owned().into_any().unbind())
+        }
         Question::Many(many) => {
             let mut found = Vec::<bool>::new();
             many.ask(py, on, Batch::any, |_, answers| {
                 memory::extend(&mut found, answers.iter().map(Option::is_some))
                     .map_err(|error| exception(py, error, None))
             })?;
-            return Ok(list(py, found));
+            Ok(list(py, found))
         }
-    };
-    let mut found = false;
-    let visit = |_| {
-        found = true;
-        ControlFlow::Break(())
-    };
-    if on.device == Device::Gpu || !alone(py, &subject, on, None, visit)? {
-        found = submit(py, &subject, on, Batch::any)?.iter().any(Option::is_some);
     }
-    Ok(PyBool::new(py, found).to_owned().into_any().unbind())
 }
 
 /// The number of pairs that meet; of a part, if one is given.
@@ -251,10 +164,20 @@ pub fn count(
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
-    part: Option<(usize, usize)>,
+    part: Option<Part>,
 ) -> PyResult<Py<PyAny>> {
-    let subject = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
-        (Question::One(subject), _) => subject,
+    let count: u64 = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (Question::One(subject), None) => {
+            subject.ask(py, on, |subject, executor| answered!(subject, executor, count, Ok))?
+        }
+        (Question::One(subject), Some(part)) => subject.ask_part(py, on, part, |query| {
+            let mut count = 0;
+            query.visit(|_| {
+                count += 1;
+                Ok(())
+            })?;
+            Ok(count)
+        })?,
         (Question::Many(_), Some(_)) => return Err(one_pose()),
         (Question::Many(many), None) => {
             let mut counts = Vec::<i64>::new();
@@ -265,50 +188,7 @@ pub fn count(
             return Ok(list(py, counts));
         }
     };
-    let mut count = 0_u64;
-    let visit = |_| {
-        count += 1;
-        ControlFlow::Continue(())
-    };
-    let is_for_gpu = on.device == Device::Gpu && part.is_none();
-    if is_for_gpu || !alone(py, &subject, on, part, visit)? {
-        count = submit(py, &subject, on, Batch::count)?.iter().sum();
-    }
     Ok(count.into_pyobject(py)?.into_any().unbind())
-}
-
-/// The pairs that meet, sorted; of a part, if one is given.
-pub(crate) fn listed(
-    py: Python<'_>,
-    subject: &Subject,
-    on: &Executor,
-    part: Option<(usize, usize)>,
-) -> PyResult<Vec<TrianglePair>> {
-    let raised = |error| exception(py, error, None);
-    let (mut pairs, mut failed) = (Vec::new(), None);
-    let visit = |pair| match memory::push(&mut pairs, pair) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(error) => {
-            failed = Some(error);
-            ControlFlow::Break(())
-        }
-    };
-    let is_for_gpu = on.device == Device::Gpu && part.is_none();
-    if is_for_gpu || !alone(py, subject, on, part, visit)? {
-        let lists = submit(py, subject, on, Batch::all)?;
-        return apart(py, || memory::copy(lists.pairs())).map_err(raised);
-    }
-    if let Some(error) = failed {
-        return Err(raised(error));
-    }
-    if pairs.len() > SORTED {
-        return heard(py, &Arc::default(), move || {
-            pairs.sort_unstable();
-            pairs
-        });
-    }
-    apart(py, || pairs.sort_unstable());
-    Ok(pairs)
 }
 
 /// All pairs that meet, sorted; of a part, if one is given. For many poses also where those of each begin and end.
@@ -320,11 +200,18 @@ pub fn all(
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
-    part: Option<(usize, usize)>,
+    part: Option<Part>,
 ) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
-    match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
-        (Question::One(subject), _) => Ok((pair_array(py, listed(py, &subject, on, part)?)?, None)),
-        (Question::Many(_), Some(_)) => Err(one_pose()),
+    let pairs = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+        (Question::One(subject), None) => subject
+            .ask(py, on, |subject, executor| answered!(subject, executor, all, memory::copy))?,
+        (Question::One(subject), Some(part)) => subject.ask_part(py, on, part, |query| {
+            let mut pairs = Vec::new();
+            query.visit(|pair| memory::push(&mut pairs, pair))?;
+            pairs.sort_unstable();
+            Ok(pairs)
+        })?,
+        (Question::Many(_), Some(_)) => return Err(one_pose()),
         (Question::Many(many), None) => {
             let (mut pairs, mut offsets) = (Vec::new(), vec![0_i64]);
             many.ask(py, on, Batch::all, |poses, lists| {
@@ -339,9 +226,10 @@ pub fn all(
                 };
                 apart(py, join).map_err(|error| exception(py, error, None))
             })?;
-            Ok((pair_array(py, pairs)?, Some(list(py, offsets))))
+            return Ok((pair_array(py, pairs)?, Some(list(py, offsets))));
         }
-    }
+    };
+    Ok((pair_array(py, pairs)?, None))
 }
 
 fn one_pose() -> PyErr {

@@ -1,23 +1,24 @@
 //! Scenes: many bodies in the world.
 
 use crate::arrays::{list, numbers, pair_array, table};
-use crate::contacts::{Arrays, Columns};
+use crate::asking::ask;
+use crate::contacts::{Arrays, Columns, Found};
 use crate::errors::{self, exception};
-use crate::executor::{Device, Executor};
+use crate::executor::Executor;
 use crate::memory;
 use crate::model::Model;
 use crate::mutex::{ProcessGuard, ProcessMutex};
 use crate::poses::Poses;
-use crate::threads::{apart, heard};
-use crate::watchdog::{BUDGET, WatchdogGuard};
+use crate::threads::apart;
+use crate::watchdog::BUDGET;
 use numpy::PyReadonlyArrayDyn;
 use pfront::{
-    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Contact, Error, Groups, SceneHit, SceneQuery,
+    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Error, Groups, SceneHit, SceneQuery,
     TrianglePair,
 };
 use pyo3::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use std::{mem, process};
 
@@ -38,6 +39,19 @@ impl State {
     /// Whether the threads and the device that it has asked are those of a parent.
     fn is_of_parent(&self) -> bool {
         self.on.is_some_and(|(process, _)| process != process::id())
+    }
+
+    /// Sees to it that this executor answers.
+    fn turn_to(&mut self, id: (u32, u64), executor: &pfront::Executor) {
+        if self.is_of_parent() {
+            // A clone has what is known of the bodies, and nothing on a device.
+            let known = self.query.clone();
+            mem::forget(mem::replace(&mut self.query, known));
+        }
+        if self.on != Some(id) {
+            self.query = mem::take(&mut self.query).on(executor);
+            self.on = Some(id);
+        }
     }
 }
 
@@ -224,32 +238,17 @@ impl Scene {
             let is_f64 = query.bodies().any(|body| body.model().is_f64() || body.pose().is_f64());
             Ok(if is_f64 {
                 let contacts = query.contacts_f64()?;
-                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F64(columns(&contacts)?))
+                let found = Columns::of(&contacts, |hit| hit.pair)?;
+                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F64(found))
             } else {
                 let contacts = query.contacts()?;
-                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F32(columns(contacts)?))
+                let found = Columns::of(contacts, |hit| hit.pair)?;
+                (bodies_of(contacts.iter().map(|(hit, _)| hit))?, Found::F32(found))
             })
         })?;
         let rows = bodies.len() / 2;
-        let found = match found {
-            Found::F32(found) => found.into_arrays(py)?,
-            Found::F64(found) => found.into_arrays(py)?,
-        };
-        Ok((table(py, bodies, rows, 2)?, found))
+        Ok((table(py, bodies, rows, 2)?, found.into_arrays(py)?))
     }
-}
-
-/// Contacts in the precision of the scene.
-enum Found {
-    F32(Columns<f32>),
-    F64(Columns<f64>),
-}
-
-fn columns<C: Copy>(contacts: &[(SceneHit, Contact<C>)]) -> Result<Columns<C>, Error> {
-    let mut columns = Columns::default();
-    columns.reserve(contacts.len())?;
-    contacts.iter().try_for_each(|(hit, contact)| columns.push(hit.pair, contact))?;
-    Ok(columns)
 }
 
 /// The bodies of all hits in turn.
@@ -299,43 +298,24 @@ impl Scene {
         })
     }
 
-    /// Asks on this thread; if that takes long, on a thread of its own while this one hears signals.
+    /// Asks with the scene locked, by whoever is to answer.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
         on: &Bound<'_, Executor>,
-        ask: impl Fn(&mut SceneQuery) -> Result<T, Error> + Copy + Send + Sync + 'static,
+        verb: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + Sync + 'static,
     ) -> PyResult<T> {
-        let own = on.get();
-        let executor = own.on_device(py)?;
+        let on = on.get();
         let state = self.state.lock(py)?;
-        self.cancel.store(false, Relaxed);
-        let (id, executor) = ((process::id(), own.id), executor.with_cancel(self.cancel.clone()));
-        let attempt = Attempt { id, executor, state };
-        let made = own.made(py);
-        let is_short = own.device == Device::Cpu && !made.is_busy() && !attempt.state.get().is_long;
-        if is_short && let Some(watched) = WatchdogGuard::new(&self.cancel) {
-            let answered = apart(py, || {
-                let answered = attempt.ask(ask);
-                // Before the flag is for another question.
-                drop(watched);
-                answered
-            });
-            if !matches!(answered.0, Err(Error::Cancelled)) {
-                return into_result(py, own, answered);
-            }
-            self.cancel.store(false, Relaxed);
-            py.check_signals()?;
-        }
-        let work = made.use_pool();
-        let worker = move || {
-            let _work = work;
+        let (id, was_long) = ((process::id(), on.id), state.get().is_long);
+        ask(py, on, &self.cancel, was_long, move |executor| {
             let began = Instant::now();
-            let answered = attempt.ask(ask);
-            attempt.state.get().is_long = began.elapsed() > BUDGET;
-            answered
-        };
-        into_result(py, own, heard(py, &self.cancel, worker)?)
+            let mut state = state.get();
+            state.turn_to(id, executor);
+            let answer = verb(&mut state.query);
+            state.is_long = began.elapsed() > BUDGET;
+            Ok((answer?, state.query.plan().cloned()))
+        })
     }
 }
 
@@ -359,37 +339,4 @@ fn edit_each(
         }
     }
     Ok(())
-}
-
-/// An answer, and who gave it.
-type Answered<T> = (Result<T, Error>, Option<String>);
-
-/// One attempt at a question: who answers it, and the scene, which is locked until then.
-struct Attempt {
-    id: (u32, u64),
-    executor: pfront::Executor,
-    state: ProcessGuard<State>,
-}
-
-impl Attempt {
-    fn ask<T>(&self, ask: impl Fn(&mut SceneQuery) -> Result<T, Error>) -> Answered<T> {
-        let mut state = self.state.get();
-        if state.is_of_parent() {
-            // A clone has what is known of the bodies, and nothing on a device.
-            let known = state.query.clone();
-            mem::forget(mem::replace(&mut state.query, known));
-        }
-        if state.on != Some(self.id) {
-            state.query = mem::take(&mut state.query).on(&self.executor);
-            state.on = Some(self.id);
-        }
-        let answer = ask(&mut state.query);
-        (answer, state.query.plan().map(ToString::to_string))
-    }
-}
-
-fn into_result<T>(py: Python<'_>, own: &Executor, (answer, plan): Answered<T>) -> PyResult<T> {
-    let answer = answer.map_err(|error| exception(py, error, None))?;
-    own.note(plan.unwrap_or_default());
-    Ok(answer)
 }

@@ -51,6 +51,16 @@ pub(crate) fn heard<T: Send + 'static>(
     cancel: &Arc<AtomicBool>,
     call: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
+    heard_as(py, "pfront worker", cancel, call)
+}
+
+/// The same on a thread of this name, which the threads of a driver take over that is opened there.
+pub(crate) fn heard_as<T: Send + 'static>(
+    py: Python<'_>,
+    name: &str,
+    cancel: &Arc<AtomicBool>,
+    call: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
     let (tell, answer) = channel();
     // Nobody else waits for it: the lock is for the compiler, which knows receivers of one thread only.
     let answer = Mutex::new(answer);
@@ -58,7 +68,7 @@ pub(crate) fn heard<T: Send + 'static>(
         // Nobody listens any more after a signal.
         let _ = tell.send(with_default(call));
     };
-    let thread = thread::Builder::new().name("pfront worker".into()).spawn(work);
+    let thread = thread::Builder::new().name(name.into()).spawn(work);
     let thread = thread.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let id = NEXT.fetch_add(1, Relaxed);
     let process = process::id();

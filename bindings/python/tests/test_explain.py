@@ -21,7 +21,7 @@ def worked():
         with open(f"/proc/self/task/{task}/comm") as file, open(f"/proc/self/task/{task}/schedstat") as counted:
             name, time = file.read().strip(), int(counted.read().split()[0])
         # The threads on which lavapipe runs shaders have the name of the one that opened it.
-        is_device = name == "pfront worker"
+        is_device = name == "pfront device"
         kind = "pool" if name.startswith("pfront ") and name[7:].isdigit() else "device" if is_device else "others"
         times[kind] += time
     return times

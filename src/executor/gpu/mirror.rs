@@ -51,8 +51,7 @@ impl Mirrors {
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
-        let is_within = matches!(subject, Subject::Within { .. });
-        let models = self.bring(device, subject.models(), is_within)?;
+        let models = self.bring(device, subject.models())?;
         let outlines = Default::default();
         let in_f64 = subject.in_f64(&outlines)?;
         let question = subject.question(models, in_f64.as_ref());
@@ -60,16 +59,11 @@ impl Mirrors {
         device.ask(&question, verb, pairs, intersects)
     }
 
-    /// Brings models there, whose vertices will move if `moves`, and returns them.
-    fn bring(
-        &mut self,
-        device: &Device,
-        models: &[&Model],
-        moves: bool,
-    ) -> Result<[&GpuModel; 2], GpuError> {
+    /// Brings models there, and returns them.
+    fn bring(&mut self, device: &Device, models: &[&Model]) -> Result<[&GpuModel; 2], GpuError> {
         let distinct = distinct(models);
         for (own, model) in self.0.iter_mut().zip(distinct) {
-            Mirror::bring(own, device, model, moves)?;
+            Mirror::bring(own, device, model)?;
         }
         let [first, second] = &self.0;
         let first = first.as_ref().map(|own| own.model()).ok_or(GpuError::OtherDevice)?;
@@ -94,12 +88,12 @@ impl Mirror {
         }
     }
 
-    /// Makes it that of a model: uploads it, or its positions if it is the same mesh that has moved.
+    /// Makes it that of a model: uploads it, or its positions if it is the same mesh that has moved. A mesh counts as rigid, and is
+    /// shared with whoever asks about it, until it has moved once.
     fn bring(
         own: &mut Option<Hidden<Self>>,
         device: &Device,
         model: &Model,
-        moves: bool,
     ) -> Result<(), GpuError> {
         let stamp = model.stamp();
         // After an error nothing is known of what is there.
@@ -128,7 +122,7 @@ impl Mirror {
             _ => {}
         }
         // A device has the shadow of a mesh in f64 alone, which moves on the CPU.
-        let model = match (moves || same_mesh) && !model.is_f64() {
+        let model = match same_mesh && !model.is_f64() {
             true => {
                 let options = BuildOptions { leaf_size: Deforming::LEAF_SIZE, join: None };
                 Mirrored::Moving(Box::new(Deforming::build(&device.gpu, model.mesh(), &options)?))

@@ -44,8 +44,25 @@ impl Executor {
     /// ```
     #[must_use]
     pub fn gpu(gpu: &Gpu, settings: GpuSettings) -> Self {
-        let device = Some(Arc::new(Device::new(gpu, settings, None)));
-        Self { device, reader: Some(Arc::new(Reader::new(gpu))), ..Self::default() }
+        Self::sequential().behind_gpu(gpu, settings)
+    }
+
+    /// The same CPU behind a GPU, which answers all questions as [`Executor::gpu`] does: what no GPU answers, such as contacts and a model
+    /// in f64 with itself, all threads of this executor do, and not the calling one alone.
+    ///
+    /// # Examples
+    /// ```no_run
+    /// use pfront::gpu::Gpu;
+    /// use pfront::{Executor, SceneQuery};
+    /// let gpu = Gpu::new()?;
+    /// let scene = SceneQuery::new().on(&Executor::threads(8).behind_gpu(&gpu, gpu.settings()));
+    /// # Ok::<(), pfront::gpu::GpuError>(())
+    /// ```
+    #[must_use]
+    pub fn behind_gpu(mut self, gpu: &Gpu, settings: GpuSettings) -> Self {
+        self.device = Some(Arc::new(Device::new(gpu, settings, None)));
+        self.reader = Some(Arc::new(Reader::new(gpu)));
+        self
     }
 
     /// The same CPU and a GPU, which answers where that pays. Measures both, which takes about two seconds.

@@ -11,8 +11,8 @@ import secrets
 import stat
 import warnings
 import weakref
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -81,15 +81,20 @@ class Mesh:
             self._model = _model(source, faces)
             _warn_if_empty(self._model)
 
-    @cached_property
+    @property
     def vertices(self) -> npt.NDArray[Any]:
         """The positions that are tested: read-only, (n, 3), float32 or float64."""
-        return _read_only(self._model.vertices())
+        return self._kept("vertices", self._model.vertices)
 
-    @cached_property
+    @property
     def faces(self) -> npt.NDArray[np.uint32]:
         """The corners of faces: read-only, (m, 3), uint32."""
-        return _read_only(self._model.faces())
+        return self._kept("faces", self._model.faces)
+
+    def _kept(self, name: str, make: Callable[[], npt.NDArray[Any]]) -> npt.NDArray[Any]:
+        """An array that is made once. `functools.cached_property` has a lock before Python 3.12, which a fork may catch locked."""
+        found: npt.NDArray[Any] | None = self.__dict__.get(name)
+        return self.__dict__.setdefault(name, _read_only(make())) if found is None else found
 
     @property
     def dtype(self) -> np.dtype[Any]:

@@ -96,6 +96,6 @@ def explain() -> str:
     >>> with pf.using(threads=1):
     ...     _ = pf.collides(a, a)
     ...     print(pf.explain())
-    one thread: the question ended before others were worth calling
+    one thread
     """
     return current().explain()
