@@ -220,7 +220,7 @@ enum pfront_device_t
  {
   // The CPU.
   PFRONT_CPU = 0,
-  // The best GPU, always; what no GPU decides, such as bodies in f64, is decided on the CPU.
+  // The best GPU, always; what no GPU decides, such as bodies in f64, the workers do.
   PFRONT_GPU = 1,
   // The CPU, or the best GPU where that pays.
   PFRONT_AUTO = 2,
@@ -914,7 +914,7 @@ pfront_status_t pfront_model_free(struct pfront_model_t *model,
 
 // Makes an executor of a `pfront_device_t`. With `workers` above 1, which needs a library that was built with threads, a frame
 // that is worth it is divided into as many parts, for as many threads as the machine has cores; else the calling thread works
-// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. PFRONT_GPU does not look at it.
+// alone, and more than 1 is PFRONT_OUT_OF_RANGE. 0 counts as 1. Under PFRONT_GPU the workers answer what a GPU does not.
 //
 // PFRONT_NO_DEVICE if there is no GPU that can be used, or the library was built without. Opening one takes a second or two,
 // measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without

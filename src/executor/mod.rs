@@ -10,7 +10,7 @@
 //! - [`Executor::threads`]: starts on the calling thread and calls others after as much work as calling them costs. The
 //!   pending node pairs of its cursor then start their front (Zhang & Kim 2014, section 3), so that nothing is done twice. A
 //!   frame like the last one calls them at once.
-//! - `Executor::gpu`: a GPU, which always answers.
+//! - `Executor::gpu`: a GPU, which always answers; `Executor::behind_gpu` has threads for what no GPU answers.
 //! - `Executor::and_gpu`: the CPU, and a GPU where that pays.
 //! - [`Executor::auto`]: all threads, and the GPU if there is one.
 //!
