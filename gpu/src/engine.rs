@@ -245,6 +245,14 @@ impl Engine {
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.
+    ///
+    /// | first | then | at the end |
+    /// |---|---|---|
+    /// | two trees: `seed` | `expand` for each further front | `narrow`, `decide` |
+    /// | a front of node pairs or of bodies: `expand` | the same | the same |
+    /// | a front under [`GpuVerb::AnyEach`]: `dive`, `decide` | the same | the same |
+    ///
+    /// A list of few hits is put in order by `order`, of many by `sample`, `deal` and `settle`.
     fn dispatch(
         &mut self,
         encoder: &mut CommandEncoder,

@@ -16,7 +16,6 @@
 //! in parts. A [`World`] owns many posed bodies that share meshes as well.
 
 mod ahead;
-mod answer;
 mod buffer;
 mod build;
 mod check;
@@ -39,6 +38,7 @@ mod query;
 mod read;
 mod report;
 mod results;
+mod runner;
 mod schedule;
 mod sequence;
 mod settings;
@@ -63,4 +63,4 @@ pub use settings::{Budget, GpuSettings};
 pub use task::GpuVerb;
 pub use totals::GpuTotals;
 pub use wgpu;
-pub use world::{Bodies, World, WorldAnswer};
+pub use world::{BodyPair, World, WorldAnswer};

@@ -1,10 +1,10 @@
 //! One question at a time about two models, or one: asked and waited for, or submitted now and read later.
 
-use crate::answer::{Answer, Asked};
 use crate::check::{check_pose, check_shadows};
 use crate::engine::Engine;
 use crate::layout::{Counters, Placement, Query};
 use crate::report::reports;
+use crate::runner::{Asked, Runner};
 use crate::task::{GpuVerb, Task};
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
@@ -157,7 +157,7 @@ impl<'m> GpuQuestion<'m> {
 /// ```
 #[derive(Debug)]
 pub struct GpuQuery {
-    answer: Answer,
+    runner: Runner,
     /// The question that has not been read; `None` if there is none, or a model is empty.
     asked: Option<Asked>,
     verb: GpuVerb,
@@ -184,8 +184,8 @@ impl GpuQuery {
     /// # Errors
     /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`].
     pub fn with_settings(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
-        let answer = Answer::new(Engine::new(gpu, &settings)?);
-        Ok(Self { answer, asked: None, verb: GpuVerb::All })
+        let runner = Runner::new(Engine::new(gpu, &settings)?);
+        Ok(Self { runner, asked: None, verb: GpuVerb::All })
     }
 
     /// All pairs that meet, sorted.
@@ -196,7 +196,7 @@ impl GpuQuery {
     /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
         self.ask(question, GpuVerb::All)?;
-        Ok(&self.answer.pairs)
+        Ok(&self.runner.pairs)
     }
 
     /// Some pair that meets, if any does.
@@ -205,7 +205,7 @@ impl GpuQuery {
     /// As [`GpuQuery::all`].
     pub fn any(&mut self, question: &GpuQuestion<'_>) -> Result<Option<TrianglePair>, GpuError> {
         self.ask(question, GpuVerb::Any)?;
-        Ok(self.answer.pairs.first().copied())
+        Ok(self.runner.pairs.first().copied())
     }
 
     /// How many pairs meet. Needs no memory for them.
@@ -214,7 +214,7 @@ impl GpuQuery {
     /// As [`GpuQuery::all`].
     pub fn count(&mut self, question: &GpuQuestion<'_>) -> Result<u64, GpuError> {
         self.ask(question, GpuVerb::Count)?;
-        Ok(self.answer.count)
+        Ok(self.runner.count)
     }
 
     /// Submits a question and does not wait. Verbs for each pair of bodies are those for one.
@@ -222,10 +222,10 @@ impl GpuQuery {
     /// # Errors
     /// As [`GpuQuery::all`].
     pub fn submit(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         gpu.checked(|| {
             if let Some(task) = self.next(question, verb)? {
-                self.asked = Some(self.answer.submit(task, self.verb)?);
+                self.asked = Some(self.runner.submit(task, self.verb)?);
             }
             Ok(())
         })
@@ -255,10 +255,10 @@ impl GpuQuery {
         question: &GpuQuestion<'_>,
         verb: GpuVerb,
     ) -> Result<(), GpuError> {
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         gpu.checked(|| {
             if let Some(task) = self.next(question, verb)? {
-                self.asked = Some(self.answer.begin(encoder, task, self.verb)?);
+                self.asked = Some(self.runner.begin(encoder, task, self.verb)?);
             }
             Ok(())
         })
@@ -271,7 +271,7 @@ impl GpuQuery {
     /// [`GpuError::Device`], [`GpuError::DeviceLost`].
     pub fn is_ready(&mut self) -> Result<bool, GpuError> {
         match &self.asked {
-            Some(asked) => self.answer.engine.read_back.is_done(&asked.run),
+            Some(asked) => self.runner.engine.read_back.is_done(&asked.run),
             None => Ok(true),
         }
     }
@@ -284,34 +284,34 @@ impl GpuQuery {
     /// [`GpuError::NotSubmitted`] if a recorded question was not submitted; as [`GpuQuery::all`].
     pub fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
         self.finish()?;
-        std::mem::swap(&mut self.answer.pairs, pairs);
-        Ok(self.answer.count)
+        std::mem::swap(&mut self.runner.pairs, pairs);
+        Ok(self.runner.count)
     }
 
     /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
     /// [`GpuError::Cancelled`]. Work that has been submitted goes on.
     pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
-        self.answer.engine.cancel = flag;
+        self.runner.engine.cancel = flag;
     }
 
     /// The triangle pairs that the device left open in the last answer, if that was about shadows: see [`GpuQuestion::shadows`].
     /// They are for the caller to decide, unless the question was whether any pair meets, and one does.
     #[must_use]
     pub fn open(&self) -> &[TrianglePair] {
-        &self.answer.open
+        &self.runner.open
     }
 
     /// The hits: `array<vec2<u32>>`, the triangles `(a, b)` of each. Under [`GpuVerb::All`] they are sorted, unless they are far
     /// more than in the last answers, or very uneven: [`GpuQuery::read`] sorts then what it brings.
     #[must_use]
     pub fn hits_buffer(&self) -> &Buffer {
-        &self.answer.engine.lists.hits
+        &self.runner.engine.lists.hits
     }
 
     /// The counters: `array<u32>`, of which the constants of this type name three.
     #[must_use]
     pub fn count_buffer(&self) -> &Buffer {
-        &self.answer.engine.lists.counters
+        &self.runner.engine.lists.counters
     }
 
     /// Forgets the last question, and binds the models of the next; `None` if one is empty.
@@ -326,7 +326,7 @@ impl GpuQuery {
             GpuVerb::CountEach => GpuVerb::Count,
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => verb,
         };
-        question.task(&mut self.answer.engine)
+        question.task(&mut self.runner.engine)
     }
 
     fn ask(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
@@ -336,9 +336,9 @@ impl GpuQuery {
 
     fn finish(&mut self) -> Result<(), GpuError> {
         match self.asked.take() {
-            Some(asked) => self.answer.finish(asked, self.verb),
+            Some(asked) => self.runner.finish(asked, self.verb),
             None => {
-                self.answer.clear();
+                self.runner.clear();
                 Ok(())
             }
         }

@@ -70,7 +70,7 @@ macro_rules! reports {
             /// # Errors
             /// [`GpuError::OutOfMemory`].
             pub fn with_time(mut self) -> Result<Self, crate::GpuError> {
-                self.answer.engine.keep_time(false)?;
+                self.runner.engine.keep_time(false)?;
                 Ok(self)
             }
 
@@ -80,7 +80,7 @@ macro_rules! reports {
             /// # Errors
             /// [`GpuError::OutOfMemory`].
             pub fn with_timings(mut self) -> Result<Self, crate::GpuError> {
-                self.answer.engine.keep_time(true)?;
+                self.runner.engine.keep_time(true)?;
                 Ok(self)
             }
 
@@ -90,13 +90,13 @@ macro_rules! reports {
             /// # Errors
             /// [`GpuError::DeviceLost`], [`GpuError::Device`].
             pub fn timings(&self) -> Result<Vec<crate::Timing>, crate::GpuError> {
-                self.answer.engine.timings()
+                self.runner.engine.timings()
             }
 
             /// Counts and times of the last answer.
             #[must_use]
             pub fn report(&self) -> crate::GpuReport {
-                self.answer.report
+                self.runner.report
             }
         }
     };

@@ -259,7 +259,7 @@ impl<N: Copy + Ord> History<N> {
 impl<N: Copy + Ord> History<N> {
     /// Whether the GPU will answer the next frame, as far as that is known.
     fn is_on_gpu(&self) -> bool {
-        let is_only = |device: &Device| device.line().is_none();
+        let is_only = |device: &Device| device.choice_line().is_none();
         let is_chosen = || self.choices[self.last_verb as usize].is_on_gpu();
         let device = self.executor.device.as_deref();
         !self.failure.is_pausing() && device.is_some_and(|device| is_only(device) || is_chosen())
@@ -275,7 +275,7 @@ impl<N: Copy + Ord> History<N> {
         if frame.is_for_cpu() {
             return self.on_cpu(frame, verb, Reason::CpuOnly);
         }
-        let Some(line) = device.line() else {
+        let Some(line) = device.choice_line() else {
             let answer = frame.on_gpu(device, &mut self.cpu, verb);
             self.note(Backend::Gpu, Reason::NoChoice);
             return self.unless_cancelled(answer?);

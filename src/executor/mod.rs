@@ -58,6 +58,12 @@
 //    front, by `core/src/front`, whose costs it remembers, and `cpu/src/workers.rs` has each thread traverse its part.
 // 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; `cpu/src/output.rs` merges the lists.
 // 6. `scene/cache.rs` completes the new hits with those of bodies that have not changed.
+//
+// On a GPU, steps 3 to 5 are others. `executor/gpu/` is for pairs, batches and tickets, and not on this way.
+// 3. `SceneFrame::on_gpu` in `scene/frame.rs` has `scene/device.rs` bring bodies that have changed into a `World` of pfront-gpu.
+// 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, whose rows `gpu/src/world/pairs.rs` makes, and
+//    reads them in turn; `gpu/src/runner.rs` answers each in one run, or in parts if its lists are full.
+// 5. `Engine::dispatch` in `gpu/src/engine.rs` has the dispatches of a run, one shader in `shaders/wgsl` each.
 mod answer;
 mod cancel;
 mod choice;
@@ -163,7 +169,7 @@ impl Executor {
 
     /// The GPU, if it answers all questions.
     pub(crate) fn only_device(&self) -> Option<&Arc<Device>> {
-        self.device.as_ref().filter(|device| device.line().is_none())
+        self.device.as_ref().filter(|device| device.choice_line().is_none())
     }
 
     /// The same with the thread for its tickets. There is none on wasm32, where no thread can wait for a GPU, and for that thread
@@ -176,7 +182,7 @@ impl Executor {
 
     /// Whether the GPU answers where that pays.
     pub(crate) fn has_choice(&self) -> bool {
-        self.device.as_ref().is_some_and(|device| device.line().is_some())
+        self.device.as_ref().is_some_and(|device| device.choice_line().is_some())
     }
 }
 

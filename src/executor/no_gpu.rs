@@ -16,7 +16,7 @@ pub(crate) type Reader = NoGpu;
 pub(crate) type Seat = NoGpu;
 
 impl NoGpu {
-    pub(crate) fn line(&self) -> Option<&Line> {
+    pub(crate) fn choice_line(&self) -> Option<&Line> {
         match *self {}
     }
 

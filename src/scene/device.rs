@@ -105,7 +105,7 @@ impl DeviceScene {
             Verb::All => {
                 // Pairs are in the order of bodies, and so of ids.
                 let mut listed = Ok(());
-                world.visit(pairs, |places, of_two| {
+                world.all_each(pairs, |places, of_two| {
                     let Some(bodies) = ids(places) else { return };
                     if listed.is_ok() {
                         let found = of_two.iter().map(|&pair| SceneHit { bodies, pair });

@@ -1,9 +1,9 @@
 //! The answer about many bodies.
 
-use super::pairs::{self, Bodies};
+use super::pairs::{self, BodyPair};
 use crate::GpuError;
-use crate::answer::Answer;
 use crate::memory::reserve;
+use crate::runner::Runner;
 use crate::task::GpuVerb;
 use pfront_core::bvtt::TrianglePair;
 
@@ -13,7 +13,7 @@ use pfront_core::bvtt::TrianglePair;
 pub struct WorldAnswer {
     /// Pairs of triangles that meet, sorted, the first triangle being one of the first body: all of them, or at most one
     /// for [`GpuVerb::Any`]. Empty for the other verbs.
-    pub hits: Vec<(Bodies, TrianglePair)>,
+    pub hits: Vec<(BodyPair, TrianglePair)>,
     /// For [`GpuVerb::AnyEach`], some hit of each pair of bodies that meet, in the order of the
     /// question. Else empty.
     pub each: Vec<Option<TrianglePair>>,
@@ -36,22 +36,22 @@ impl WorldAnswer {
     /// Adds what was found of a chunk of pairs, of which this is the first.
     pub(super) fn add(
         &mut self,
-        answer: &mut Answer,
-        pairs: &[Bodies],
+        runner: &mut Runner,
+        pairs: &[BodyPair],
         first: usize,
         shift: u32,
         verb: GpuVerb,
     ) -> Result<(), GpuError> {
-        self.count += answer.count;
+        self.count += runner.count;
         if matches!(verb, GpuVerb::All | GpuVerb::Any) {
-            reserve(&mut self.hits, answer.pairs.len())?;
-            visit(answer, &pairs[first..], shift, |bodies, hits| {
+            reserve(&mut self.hits, runner.pairs.len())?;
+            each_list(runner, &pairs[first..], shift, |bodies, hits| {
                 self.hits.extend(hits.iter().map(|&hit| (bodies, hit)));
             });
             return Ok(());
         }
-        let rows = &answer.instances;
-        let hits = || answer.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
+        let rows = &runner.instances;
+        let hits = || runner.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
         match verb {
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
             GpuVerb::AnyEach => hits().for_each(|(number, hit)| {
@@ -59,7 +59,7 @@ impl WorldAnswer {
             }),
             GpuVerb::CountEach => {
                 hits().for_each(|(number, _)| self.counts[first + number] += 1);
-                let counts = self.counts[first..].iter_mut().zip(&answer.tallies);
+                let counts = self.counts[first..].iter_mut().zip(&runner.tallies);
                 counts.for_each(|(count, own)| *count += own);
             }
         }
@@ -68,15 +68,15 @@ impl WorldAnswer {
 }
 
 /// Calls back with the hits of each pair of bodies of a chunk, of which `pairs` begin with the first. Their ids become triangles.
-pub(super) fn visit(
-    answer: &mut Answer,
-    pairs: &[Bodies],
+pub(super) fn each_list(
+    runner: &mut Runner,
+    pairs: &[BodyPair],
     shift: u32,
-    mut visit: impl FnMut(Bodies, &[TrianglePair]),
+    mut visit: impl FnMut(BodyPair, &[TrianglePair]),
 ) {
     // The hits of a block of ids follow each other.
-    for hits in answer.pairs.chunk_by_mut(|x, y| x.a >> shift == y.a >> shift) {
-        let row = &answer.instances[(hits[0].a >> shift) as usize];
+    for hits in runner.pairs.chunk_by_mut(|x, y| x.a >> shift == y.a >> shift) {
+        let row = &runner.instances[(hits[0].a >> shift) as usize];
         hits.iter_mut().for_each(|hit| hit.a -= row.first_id);
         visit(pairs[row.number as usize], hits);
     }

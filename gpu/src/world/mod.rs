@@ -5,19 +5,19 @@ mod arena;
 mod pairs;
 mod placing;
 
-use crate::answer::{Answer, Asked};
 use crate::buffer::Usage;
 use crate::check::check_pose;
 use crate::engine::Engine;
 use crate::layout::{InstancePair, Query};
 use crate::memory::reserve;
 use crate::report::reports;
+use crate::runner::{Asked, Runner};
 use crate::task::{GpuVerb, Task};
 use crate::{Gpu, GpuError, GpuModel, GpuReport, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
-pub use pairs::Bodies;
+pub use pairs::BodyPair;
 use pairs::{Body, Chunk, Chunks};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
@@ -58,7 +58,7 @@ use wgpu::{Buffer, CommandEncoder};
 /// ```
 #[derive(Debug)]
 pub struct World {
-    answer: Answer,
+    runner: Runner,
     arena: Arena,
     bodies: Arc<Vec<Body>>,
     /// Whether a mesh has moved since its bodies were placed.
@@ -84,7 +84,7 @@ struct Table {
 #[derive(Debug)]
 struct WorldQuestion {
     verb: GpuVerb,
-    pairs: Vec<Bodies>,
+    pairs: Vec<BodyPair>,
     /// Pairs to be asked later, if there are any.
     later: Option<Chunks>,
     /// The chunk that has been submitted, and the number of its first pair.
@@ -100,7 +100,7 @@ impl World {
     pub fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
         let engine = Engine::with_passes(gpu, &settings, gpu.instances()?)?;
         Ok(Self {
-            answer: Answer::new(engine),
+            runner: Runner::new(engine),
             arena: Arena::new(),
             bodies: Arc::default(),
             is_stale: false,
@@ -129,7 +129,7 @@ impl World {
     /// O(triangles), but for the growth of buffers.
     pub fn add_mesh(&mut self, bvh: Bvh<'_>) -> Result<u32, GpuError> {
         self.question = None;
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         self.arena.add(&gpu, &bvh).inspect_err(|_| self.clear())?;
         Ok(self.arena.meshes.len() as u32 - 1)
     }
@@ -186,7 +186,7 @@ impl World {
         Mesh::new(positions, &[])?;
         self.question = None;
         self.is_stale = true;
-        self.arena.set_positions(&self.answer.engine.gpu, mesh as usize, positions)
+        self.arena.set_positions(&self.runner.engine.gpu, mesh as usize, positions)
     }
 
     /// Gives a mesh another tree or another shape, for all bodies that have it. Their poses have to be such that do not take them
@@ -203,7 +203,7 @@ impl World {
             return Err(GpuError::NoMesh { mesh, meshes });
         }
         (self.question, self.is_stale) = (None, true);
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         self.arena.set_mesh(&gpu, mesh as usize, &bvh).inspect_err(|_| self.clear())
     }
 
@@ -211,7 +211,7 @@ impl World {
     ///
     /// # Errors
     /// [`GpuError::NoBody`]; [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
-    pub fn all(&mut self, pairs: &[Bodies]) -> Result<&[(Bodies, TrianglePair)], GpuError> {
+    pub fn all(&mut self, pairs: &[BodyPair]) -> Result<&[(BodyPair, TrianglePair)], GpuError> {
         Ok(&self.ask(pairs, GpuVerb::All)?.hits)
     }
 
@@ -220,14 +220,14 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn visit(
+    pub fn all_each(
         &mut self,
-        pairs: &[Bodies],
-        mut visit: impl FnMut(Bodies, &[TrianglePair]),
+        pairs: &[BodyPair],
+        mut visit: impl FnMut(BodyPair, &[TrianglePair]),
     ) -> Result<(), GpuError> {
         self.submit(pairs, GpuVerb::All)?;
-        self.finish(|_, answer, pairs, first, shift, _| {
-            answer::visit(answer, &pairs[first..], shift, &mut visit);
+        self.finish(|_, runner, pairs, first, shift, _| {
+            answer::each_list(runner, &pairs[first..], shift, &mut visit);
             Ok(())
         })
         .map(drop)
@@ -237,7 +237,10 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn any(&mut self, pairs: &[Bodies]) -> Result<Option<(Bodies, TrianglePair)>, GpuError> {
+    pub fn any(
+        &mut self,
+        pairs: &[BodyPair],
+    ) -> Result<Option<(BodyPair, TrianglePair)>, GpuError> {
         Ok(self.ask(pairs, GpuVerb::Any)?.hits.first().copied())
     }
 
@@ -245,7 +248,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn count(&mut self, pairs: &[Bodies]) -> Result<u64, GpuError> {
+    pub fn count(&mut self, pairs: &[BodyPair]) -> Result<u64, GpuError> {
         Ok(self.ask(pairs, GpuVerb::Count)?.count)
     }
 
@@ -253,7 +256,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn any_each(&mut self, pairs: &[Bodies]) -> Result<&[Option<TrianglePair>], GpuError> {
+    pub fn any_each(&mut self, pairs: &[BodyPair]) -> Result<&[Option<TrianglePair>], GpuError> {
         Ok(&self.ask(pairs, GpuVerb::AnyEach)?.each)
     }
 
@@ -261,7 +264,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn count_each(&mut self, pairs: &[Bodies]) -> Result<&[u64], GpuError> {
+    pub fn count_each(&mut self, pairs: &[BodyPair]) -> Result<&[u64], GpuError> {
         Ok(&self.ask(pairs, GpuVerb::CountEach)?.counts)
     }
 
@@ -270,7 +273,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::all`].
-    pub fn submit(&mut self, pairs: &[Bodies], verb: GpuVerb) -> Result<(), GpuError> {
+    pub fn submit(&mut self, pairs: &[BodyPair], verb: GpuVerb) -> Result<(), GpuError> {
         self.question = None;
         let bodies = self.bodies.len() as u32;
         if let Some(&body) = pairs.iter().flatten().find(|&&body| body >= bodies) {
@@ -281,7 +284,7 @@ impl World {
                 *body = Body::new(&self.arena, body.mesh, &body.placed.pose);
             }
         }
-        let limits = self.answer.engine.gpu.device().limits();
+        let limits = self.runner.engine.gpu.device().limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let most_rows = (bytes / size_of::<InstancePair>() as u64) as usize;
         let is_each = verb == GpuVerb::AnyEach;
@@ -306,7 +309,7 @@ impl World {
     pub fn is_ready(&mut self) -> Result<bool, GpuError> {
         let question = self.question.as_ref().ok_or(GpuError::NotSubmitted)?;
         match &question.now {
-            Some((asked, _)) => self.answer.engine.read_back.is_done(&asked.run),
+            Some((asked, _)) => self.runner.engine.read_back.is_done(&asked.run),
             None => Ok(true),
         }
     }
@@ -333,13 +336,13 @@ impl World {
         &mut self,
         mut take: impl FnMut(
             &mut WorldAnswer,
-            &mut Answer,
-            &[Bodies],
+            &mut Runner,
+            &[BodyPair],
             usize,
             u32,
             GpuVerb,
         ) -> Result<(), GpuError>,
-    ) -> Result<(GpuVerb, Vec<Bodies>), GpuError> {
+    ) -> Result<(GpuVerb, Vec<BodyPair>), GpuError> {
         let WorldQuestion { verb, pairs, mut later, mut now } =
             self.question.take().ok_or(GpuError::NotSubmitted)?;
         self.found.clear();
@@ -355,28 +358,28 @@ impl World {
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
         }
         if now.is_none() {
-            self.answer.clear();
+            self.runner.clear();
         }
         let (mut report, mut hits, mut most_hits) = (GpuReport::default(), 0, 0);
         while let Some((asked, first)) = now {
             let shift = asked.task.query.pair_shift;
             let rows = std::mem::take(&mut self.spare);
             let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs, rows));
-            self.answer.finish(asked, verb)?;
-            report.join(&self.answer.report);
-            (hits, most_hits) = (hits + self.answer.count, most_hits.max(self.answer.count));
-            take(&mut self.found, &mut self.answer, &pairs, first, shift, verb)?;
+            self.runner.finish(asked, verb)?;
+            report.join(&self.runner.report);
+            (hits, most_hits) = (hits + self.runner.count, most_hits.max(self.runner.count));
+            take(&mut self.found, &mut self.runner, &pairs, first, shift, verb)?;
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = next.filter(|_| !is_over);
-            if next.is_some() && self.answer.engine.is_cancelled() {
+            if next.is_some() && self.runner.engine.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
             now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
         }
-        self.answer.report = report;
+        self.runner.report = report;
         if verb == GpuVerb::All {
             // As many as have the hits of each put in order by the device, at least if pairs are alike.
-            let most = self.answer.engine.lists.capacities.ordered();
+            let most = self.runner.engine.lists.capacities.ordered();
             let needed = (hits + hits / 4).div_ceil(most).max(1);
             self.chunks = match most_hits > most {
                 true => (2 * self.chunks).min(2 * needed).max(needed),
@@ -390,7 +393,7 @@ impl World {
     /// Has questions end early: once the flag is set, reading one waits for nothing, submits nothing more, and returns
     /// [`GpuError::Cancelled`]. Work that has been submitted goes on.
     pub fn set_cancel(&mut self, flag: Option<Arc<AtomicBool>>) {
-        self.answer.engine.cancel = flag;
+        self.runner.engine.cancel = flag;
     }
 
     /// Bytes of device memory that meshes and pairs take.
@@ -400,7 +403,7 @@ impl World {
         self.arena.bytes() + table
     }
 
-    fn ask(&mut self, pairs: &[Bodies], verb: GpuVerb) -> Result<&WorldAnswer, GpuError> {
+    fn ask(&mut self, pairs: &[BodyPair], verb: GpuVerb) -> Result<&WorldAnswer, GpuError> {
         self.submit(pairs, verb)?;
         self.read()
     }
@@ -416,19 +419,19 @@ impl World {
 
     /// Records and submits what brings the device up to date, and the first run over a chunk.
     fn submit_chunk(&mut self, chunk: Chunk, verb: GpuVerb) -> Result<(Asked, usize), GpuError> {
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         let Chunk { rows, shift, first, front, levels } = chunk;
         gpu.checked(|| {
-            let mut encoder = self.answer.engine.encoder();
+            let mut encoder = self.runner.engine.encoder();
             self.arena.record_refits(&mut encoder);
             self.write(&mut encoder, &rows)?;
-            self.spare = std::mem::replace(&mut self.answer.instances, rows);
+            self.spare = std::mem::replace(&mut self.runner.instances, rows);
             let leaf_size = self.arena.leaf_size;
             let query = Query { pair_shift: shift, leaf_size, ..Query::zeroed() };
             let root = front.first().copied().unwrap_or_default();
             let task = Task { query, root, levels, levels_below_seeds: levels };
-            let asked = self.answer.begin_from(&mut encoder, task, &front, verb)?;
-            self.answer.engine.submit(encoder.finish());
+            let asked = self.runner.begin_from(&mut encoder, task, &front, verb)?;
+            self.runner.engine.submit(encoder.finish());
             self.arena.moved.clear();
             Ok((asked, first))
         })
@@ -440,7 +443,7 @@ impl World {
         encoder: &mut CommandEncoder,
         rows: &[InstancePair],
     ) -> Result<(), GpuError> {
-        let gpu = self.answer.engine.gpu.clone();
+        let gpu = self.runner.engine.gpu.clone();
         let bytes = size_of_val(rows) as u64;
         let tallies = rows.last().map_or(0, |last| u64::from(last.number) + 1) * 4;
         let is_enough =
@@ -454,9 +457,9 @@ impl World {
             },
         };
         let Table { id, pairs, tallies } = self.table.insert(table);
-        self.answer.engine.write(encoder, pairs, bytemuck::cast_slice(rows))?;
+        self.runner.engine.write(encoder, pairs, bytemuck::cast_slice(rows))?;
         let Arena { nodes, corners, order, .. } = &self.arena;
-        let engine = &mut self.answer.engine;
+        let engine = &mut self.runner.engine;
         if let (Some(nodes), Some(corners), Some(order)) =
             (nodes.buffer(), corners.buffer(), order.buffer())
         {

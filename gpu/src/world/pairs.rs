@@ -17,7 +17,7 @@ use pfront_core::{Aabb, Pose};
 use std::sync::Arc;
 
 /// Two different bodies by their numbers.
-pub type Bodies = [u32; 2];
+pub type BodyPair = [u32; 2];
 
 /// A body.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,7 @@ impl Chunks {
     pub(super) fn new(
         arena: &Arena,
         bodies: Arc<Vec<Body>>,
-        pairs: &[Bodies],
+        pairs: &[BodyPair],
         [most_rows, most_pairs]: [usize; 2],
         is_each: bool,
     ) -> Self {
@@ -87,7 +87,7 @@ impl Chunks {
     }
 
     /// Whether all pairs are in chunks.
-    pub(super) fn is_over(&self, pairs: &[Bodies]) -> bool {
+    pub(super) fn is_over(&self, pairs: &[BodyPair]) -> bool {
         self.next == pairs.len()
     }
 
@@ -95,11 +95,11 @@ impl Chunks {
     pub(super) fn next(
         &mut self,
         arena: &Arena,
-        pairs: &[Bodies],
+        pairs: &[BodyPair],
         mut rows: Vec<InstancePair>,
     ) -> Option<Chunk> {
         let Self { bodies, shift, most, most_pairs, is_each, next } = self;
-        let meshes = |pair: &Bodies| meshes(arena, bodies, pair);
+        let meshes = |pair: &BodyPair| meshes(arena, bodies, pair);
         let left = std::mem::replace(next, pairs.len());
         let start = left + pairs[left..].iter().position(|pair| ids(meshes(pair)) != 0)?;
         rows.clear();
@@ -138,7 +138,7 @@ impl Chunks {
 }
 
 /// The meshes of a pair of bodies.
-fn meshes<'a>(arena: &'a Arena, bodies: &[Body], pair: &Bodies) -> [&'a ArenaMesh; 2] {
+fn meshes<'a>(arena: &'a Arena, bodies: &[Body], pair: &BodyPair) -> [&'a ArenaMesh; 2] {
     pair.map(|body| &arena.meshes[bodies[body as usize].mesh as usize])
 }
 
@@ -150,8 +150,8 @@ fn ids([a, b]: [&ArenaMesh; 2]) -> u64 {
 impl Chunk {
     fn add_front<'a>(
         &mut self,
-        pairs: &[Bodies],
-        meshes: impl Fn(&Bodies) -> [&'a ArenaMesh; 2],
+        pairs: &[BodyPair],
+        meshes: impl Fn(&BodyPair) -> [&'a ArenaMesh; 2],
         is_each: bool,
     ) {
         let node_pairs = |level: usize| -> usize {

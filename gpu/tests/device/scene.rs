@@ -3,7 +3,7 @@
 use crate::common::{Both, gpu};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
-use pfront_gpu::{Arithmetic, Bodies, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
+use pfront_gpu::{Arithmetic, BodyPair, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
 use pfront_testkit::MeshData;
 use pfront_testkit::families::Family;
 use pfront_testkit::rng::{ChaCha8Rng, Rng, seeded};
@@ -208,7 +208,8 @@ fn more_pairs_than_a_binding_holds() {
 
     // Each pair many times and both ways; what moves after the submission moves too late.
     const TIMES: usize = 18;
-    let turned = |[a, b]: Bodies| (0..TIMES).map(move |i| if i % 2 == 0 { [a, b] } else { [b, a] });
+    let turned =
+        |[a, b]: BodyPair| (0..TIMES).map(move |i| if i % 2 == 0 { [a, b] } else { [b, a] });
     let pairs: Vec<_> = scene.pairs().into_iter().flat_map(turned).collect();
     let counts = scene.world.count_each(&pairs).unwrap().to_vec();
     let each = scene.world.any_each(&pairs).unwrap();
@@ -284,7 +285,7 @@ fn very_many_hits_are_in_order_on_the_device() {
     let at = |i: u32| Pose::from_translation([0.0, 0.0, 100.0 * (i / 2) as f32]);
     let bodies: Vec<_> = (0..2 * BODIES).map(|i| (meshes[i as usize % 2], at(i))).collect();
     world.set_bodies(&bodies).unwrap();
-    let pairs: Vec<Bodies> = (0..BODIES).map(|i| [2 * i, 2 * i + 1]).collect();
+    let pairs: Vec<BodyPair> = (0..BODIES).map(|i| [2 * i, 2 * i + 1]).collect();
     let hits = u64::from(BODIES * SLATS * SLATS);
     assert!(hits > 400_000);
     for frame in 0..3 {

@@ -3,7 +3,7 @@
 use crate::common::{Both, sorted};
 use pfront_core::Pose;
 use pfront_core::bvtt::{PairBvtt, PosedBvh, TrianglePair};
-use pfront_gpu::{Bodies, GpuError, World};
+use pfront_gpu::{BodyPair, GpuError, World};
 use pfront_testkit::MeshData;
 
 /// Bodies on the device, and what they are made of beside it. Each is paired with each.
@@ -45,12 +45,12 @@ impl<'m> Scene<'m> {
         Ok(())
     }
 
-    pub(crate) fn pairs(&self) -> Vec<Bodies> {
+    pub(crate) fn pairs(&self) -> Vec<BodyPair> {
         let count = self.bodies.len() as u32;
         (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).collect()
     }
 
-    fn truth(&self) -> Vec<(Bodies, TrianglePair)> {
+    fn truth(&self) -> Vec<(BodyPair, TrianglePair)> {
         let placed = |i: u32| {
             let (part, pose) = &self.bodies[i as usize];
             PosedBvh::new(part.bvh(), pose).unwrap()
@@ -69,11 +69,11 @@ impl<'m> Scene<'m> {
         assert!(self.world.all(&pairs).unwrap() == truth, "{} pairs", truth.len());
         let mut visited = Vec::new();
         let visit = |two, hits: &[TrianglePair]| visited.extend(hits.iter().map(|&hit| (two, hit)));
-        self.world.visit(&pairs, visit).unwrap();
+        self.world.all_each(&pairs, visit).unwrap();
         assert!(visited == truth);
         let any = self.world.any(&pairs).unwrap();
         assert!(any.map_or(truth.is_empty(), |hit| truth.binary_search(&hit).is_ok()));
-        let of = |two: &Bodies| truth.iter().filter(|(bodies, _)| bodies == two).count() as u64;
+        let of = |two: &BodyPair| truth.iter().filter(|(bodies, _)| bodies == two).count() as u64;
         let counts: Vec<_> = pairs.iter().map(of).collect();
         assert_eq!(self.world.count_each(&pairs).unwrap(), counts);
         let each = self.world.any_each(&pairs).unwrap().to_vec();

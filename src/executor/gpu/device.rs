@@ -46,7 +46,7 @@ impl Device {
     }
 
     /// The times that it is predicted to take beside a CPU; `None` if it is to answer all questions.
-    pub(crate) fn line(&self) -> Option<&Line> {
+    pub(crate) fn choice_line(&self) -> Option<&Line> {
         self.line.as_ref()
     }
 

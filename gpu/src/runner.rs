@@ -25,9 +25,9 @@ use wgpu::CommandEncoder;
 /// A front this long is split rather than refined. Its children fit in the least front.
 const LONG: usize = 64;
 
-/// An engine, and the answer that it brings.
+/// An engine, the runs that it answers in, and the answer so far.
 #[derive(Debug)]
-pub(crate) struct Answer {
+pub(crate) struct Runner {
     pub(crate) engine: Engine,
     /// Commands for the next question, if they are recorded.
     ahead: Option<Ahead>,
@@ -75,7 +75,7 @@ impl Asked {
     }
 }
 
-impl Answer {
+impl Runner {
     pub(crate) fn new(engine: Engine) -> Self {
         Self {
             engine,
