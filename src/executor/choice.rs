@@ -4,7 +4,7 @@ use super::Reason;
 use std::time::Duration;
 
 /// On the GPU, the CPU answers one frame as soon as the GPU has taken so many times what the CPU last took, in case it has
-/// become faster. Each time that it has not, the next such frame comes twice as late.
+/// become faster. Each further such frame comes twice as late.
 const FIRST_CHECK: f64 = 8.0;
 
 /// The line of a GPU and a CPU. All times are in seconds.
@@ -113,9 +113,8 @@ impl Choice {
             (false, _) => self.cpu = Some(time),
             // A check wakes threads as well: it can only lower the prediction.
             (true, false) => {
-                let before = self.cpu.unwrap_or(time);
-                self.next_check = if time < before { FIRST_CHECK } else { 2.0 * self.next_check };
-                (self.cpu, self.since_check) = (Some(time.min(before)), 0.0);
+                self.cpu = Some(self.cpu.map_or(time, |before| time.min(before)));
+                (self.next_check, self.since_check) = (2.0 * self.next_check, 0.0);
             }
             (true, true) => {
                 self.since_check += time;

@@ -5,7 +5,7 @@ use crate::asking::ask;
 use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::Executor;
-use crate::memory::{push, reserve};
+use crate::memory::{copy, push, reserve};
 use crate::model::Model;
 use crate::question::{Question, Subject, answered};
 use bytemuck::Pod;
@@ -143,14 +143,19 @@ impl Met {
             found.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(&tree, pair)?))));
             Ok(found)
         };
-        let found: Result<Vec<_>, Error> = match pool {
+        let mut found = Vec::new();
+        reserve(&mut found, blocks.len())?;
+        match pool {
             Some(pool) if self.lists.pairs().len() >= MANY => {
-                pool.install(|| blocks.par_iter().map(locate).collect())
+                pool.install(|| blocks.par_iter().map(locate).collect_into_vec(&mut found));
             }
-            _ => blocks.iter().map(locate).collect(),
-        };
-        let (mut columns, mut counts) = (Columns::default(), vec![0; self.poses.len()]);
-        for ((pose, _), found) in blocks.iter().zip(found?) {
+            _ => found.extend(blocks.iter().map(locate)),
+        }
+        let (mut columns, mut counts) = (Columns::default(), Vec::new());
+        reserve(&mut counts, self.poses.len())?;
+        counts.resize(self.poses.len(), 0);
+        for ((pose, _), found) in blocks.iter().zip(found) {
+            let found = found?;
             columns.extend(&found)?;
             counts[*pose] += found.len();
         }
@@ -168,7 +173,8 @@ fn swept<C: Copy + Send + 'static>(
     let (mut columns, mut offsets) = (Columns::default(), vec![0]);
     let pool = on.made(py).pool;
     many.ask(py, on, Batch::all, |poses, lists| {
-        let met = Met { models: many.models.clone(), poses: poses.to_vec(), lists };
+        let poses = copy(poses).map_err(|error| exception(py, error, None))?;
+        let met = Met { models: many.models.clone(), poses, lists };
         let (pool, cancel) = (pool.clone(), Arc::<AtomicBool>::default());
         let (flag, is_long) = (cancel.clone(), met.lists.pairs().len() >= MANY);
         let question = move |_: &_| Ok((met.contacts(pool.as_deref(), &flag, contact)?, None));
