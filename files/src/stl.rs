@@ -71,10 +71,7 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     if after.len() >= TRIANGLE && !after.iter().all(is_padding) {
         return Err(other_length(n, bytes.len() as u64));
     }
-    if !after.is_empty() {
-        let over = after.len();
-        import.notes.push(format!("bytes after the last triangle are passed over: {over}"));
-    }
+    import.note("bytes after the last triangle are passed over", after.len());
     import.budget.check(demand(3 * n, n))?;
     for triangle in &triangles[..n] {
         let number =

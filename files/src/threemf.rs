@@ -212,16 +212,10 @@ impl Package<'_> {
 /// Adds the triangles of an object, without those of its components.
 fn add(object: &Object, world: &DMat4, import: &mut Import) -> Result<(), Fault> {
     import.budget.take(PLACED)?;
-    let Import { mesh, budget, source, .. } = import;
     let TriangleMesh { positions, triangles } = &object.mesh;
-    budget.check_growth(mesh, positions.len(), triangles.len())?;
-    let first = mesh.positions.len() as u32;
-    let moves = *world != DMat4::IDENTITY;
-    mesh.positions.extend(positions.iter().map(|&p| {
-        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
-        if source.in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
-    }));
-    mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
+    import.budget.check_growth(&import.mesh, positions.len(), triangles.len())?;
+    let first = import.push_placed(positions, world);
+    import.mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
     Ok(())
 }
 
@@ -269,12 +263,11 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 return Err(xml.fault(format!("object {id} has another object in it")));
             }
             ("object", None) => {
-                let name = xml.text(&element, "name")?.filter(|name| !name.is_empty());
-                let name = match name {
-                    None => xml.text(&element, "partnumber")?.filter(|name| !name.is_empty()),
+                let name = match xml.text(&element, "name")? {
+                    None => xml.text(&element, "partnumber")?,
                     name => name,
                 };
-                let id = xml.number(&element, "id")?;
+                let id = xml.natural(&element, "id")?;
                 if part.objects.contains_key(&id) {
                     return Err(xml.fault(format!("there are two objects {id}")));
                 }
@@ -285,13 +278,13 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 }
             }
             ("vertex", Some((_, Object { mesh, .. }))) => {
-                mesh.positions.push(xml.position(&element, &mut import.source)?);
+                mesh.positions.push(xml.position(&element)?);
                 import.budget.check_growth(&import.mesh, mesh.positions.len(), 0)?;
             }
             ("triangle", Some((_, Object { mesh, .. }))) => {
                 let mut corners = [0; 3];
                 for (corner, name) in corners.iter_mut().zip(["v1", "v2", "v3"]) {
-                    *corner = xml.number(&element, name)?;
+                    *corner = xml.natural(&element, name)?;
                     let all = mesh.positions.len();
                     if *corner as usize >= all {
                         return Err(xml.fault(format!("there is no vertex {corner} among {all}")));
@@ -305,7 +298,7 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 components.push(placed(&xml, &element, &mut import.budget)?);
             }
             ("item", None) => {
-                let name = xml.text(&element, "partnumber")?.filter(|name| !name.is_empty());
+                let name = xml.text(&element, "partnumber")?;
                 import.budget.take(name.as_ref().map_or(0, String::len))?;
                 let placed = placed(&xml, &element, &mut import.budget)?;
                 part.items.push(Item { placed, name });
@@ -319,9 +312,7 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
     if let Some((id, _)) = object {
         return Err(xml.fault(format!("object {id} has no end")));
     }
-    if lattices > 0 {
-        import.notes.push(format!("{path}: beam lattices are passed over: {lattices}"));
-    }
+    import.note(&format!("{path}: beam lattices are passed over"), lattices);
     Ok(part)
 }
 
@@ -369,5 +360,5 @@ fn placed(xml: &Xml<'_>, element: &BytesStart<'_>, budget: &mut Budget) -> Resul
     };
     let path = xml.path(element)?.map(|path| within_package(&path));
     budget.take(PLACED + path.as_ref().map_or(0, String::len))?;
-    Ok(Placed { path, object: xml.number(element, "objectid")?, transform })
+    Ok(Placed { path, object: xml.natural(element, "objectid")?, transform })
 }

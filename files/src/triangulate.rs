@@ -99,6 +99,14 @@ impl<'p> Ring<'p> {
             }
         };
         let n = self.points.len();
+        // A corner at the place of the next has a triangle without an area, and is no hindrance to others.
+        for corner in 0..n as u32 {
+            if self.left > 3 && self.point(corner) == self.point(self.next(corner)) {
+                self.blockers.remove(corner);
+                let [p, q] = self.clip(corner);
+                put([p, corner, q]);
+            }
+        }
         let mut tried = 0;
         // With strips of as many triangles, about three rounds are enough.
         let strip = (n as f64).cbrt() as usize;

@@ -121,6 +121,19 @@ fn objects_of_one_file_are_bodies() {
 }
 
 #[test]
+fn welding_joins_no_bodies() {
+    let folder = folder();
+    let at = folder.path();
+    let near = "o left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1e-7 0\nv 1 1e-7 0\nf 1 2 3\nf 4 5 3\n\
+        o right\nv -1e-7 0 0\nv -1 0 0\nv -1e-7 1 0\nf 6 7 8\n";
+    fs::write(at.join("near.obj"), near).unwrap();
+    let run = super::pfront(at, "scene near.obj --csv --weld 1e-6");
+    assert_eq!(run.stdout, b"body_a,body_b,a,b\n");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(told, "near.obj: left: vertices that were joined with others nearby: 2\n");
+}
+
+#[test]
 fn files_are_bodies_by_any_name_that_is_clear() {
     let folder = folder();
     let at = folder.path();

@@ -5,6 +5,7 @@ use crate::budget::Budget;
 use crate::error::Fault;
 use crate::escape::shown_path;
 use crate::folder::Folder;
+use crate::format::FIRST_VERSION;
 use crate::import::Import;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -34,7 +35,10 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
     budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
     // Its strings and its binary chunk are copied.
     budget.take(bytes.len())?;
-    let broken = |e: gltf::Error| Fault::broken(e.to_string());
+    let broken = |e: gltf::Error| match is_first_version(text) {
+        true => Fault::broken(FIRST_VERSION),
+        false => Fault::broken(e.to_string()),
+    };
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
     let mut root = document.into_json();
     for extension in std::mem::take(&mut root.extensions_required) {
@@ -84,6 +88,12 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
     Ok(Gltf { document: Document::from_json(root).map_err(broken)?, blob })
 }
 
+/// Whether a document is of glTF 1, whose lists are objects.
+fn is_first_version(text: &[u8]) -> bool {
+    let json = gltf::json::deserialize::from_slice::<gltf::json::Value>(text);
+    json.is_ok_and(|json| json["meshes"].is_object())
+}
+
 fn compressed(extension: &str) -> Fault {
     Fault::broken(format!("is compressed with {extension}, which is not read"))
 }
@@ -95,7 +105,8 @@ const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"
 const READ: [&str; 2] = ["KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
 
 /// Beginnings of the names of extensions that leave geometry alone.
-const HARMLESS: [&str; 15] = [
+const HARMLESS: [&str; 16] = [
+    "KHR_technique",
     "KHR_materials_",
     "KHR_texture_",
     "EXT_texture_",
