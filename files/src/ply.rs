@@ -86,7 +86,7 @@ impl Record<'_, '_> {
             let axis = AXES.iter().position(|axis| *axis == name);
             match (property.count, axis) {
                 (None, Some(axis)) => {
-                    position[axis] = self.coordinate(scalar, &mut import.source)?
+                    position[axis] = self.coordinate(scalar, &mut import.source)?;
                 }
                 (None, None) => self.pass(scalar)?,
                 (Some(count), _) if name == INDICES => {
