@@ -11,7 +11,7 @@ use crate::error::Fault;
 use crate::folder::Folder;
 use crate::import::Import;
 use checked::Buffers;
-use glam::{DMat4, DQuat, Mat4, Quat, Vec3};
+use glam::{DMat4, Mat4, Vec3};
 use gltf::accessor::Accessor;
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
@@ -100,7 +100,9 @@ fn walk<'d>(
     }
     pending.reverse();
     while let Some((node, above)) = pending.pop() {
-        let world = above * transform(&node);
+        let own = transform(&node)
+            .map_err(|fault| fault.within(format_args!("node {}", node.index())))?;
+        let world = above * own;
         visit(&node, &world)?;
         let first = pending.len();
         for child in node.children() {
@@ -128,15 +130,15 @@ fn demand(primitive: &Primitive<'_>, vertices: usize) -> usize {
     budget::demand(vertices, triangles)
 }
 
-fn transform(node: &Node<'_>) -> DMat4 {
-    match node.transform() {
+fn transform(node: &Node<'_>) -> Result<DMat4, Fault> {
+    Ok(match node.transform() {
         Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix).as_dmat4(),
         Transform::Decomposed { translation, rotation, scale } => {
-            let rotation: DQuat = Quat::from_array(rotation).as_dquat().normalize();
+            let rotation = pose::rotation(rotation.map(f64::from))?;
             let [scale, translation] = [scale, translation].map(|v| Vec3::from(v).as_dvec3());
             DMat4::from_scale_rotation_translation(scale, rotation, translation)
         }
-    }
+    })
 }
 
 fn push(

@@ -11,8 +11,13 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let header = line.word(words.next())?;
     let no_header = || line.fault("an OFF file begins with OFF, or with ST, C and N before it");
     let at = header.windows(3).position(|word| word.eq_ignore_ascii_case(b"OFF"));
-    let (letters, glued) = header.split_at(at.ok_or_else(no_header)?);
-    let (word, glued) = glued.split_at(3);
+    // The specification lets it be left out.
+    let is_count = header.iter().all(u8::is_ascii_digit);
+    let (letters, word, glued) = match at {
+        Some(at) => (&header[..at], &header[at..at + 3], &header[at + 3..]),
+        None if is_count => (&b""[..], &b"OFF"[..], header),
+        None => return Err(no_header()),
+    };
     let is_letter = |b: &u8| b"STCN".contains(&b.to_ascii_uppercase());
     if !letters.iter().all(is_letter) || !glued.iter().all(u8::is_ascii_digit) {
         return Err(no_header());
@@ -33,7 +38,9 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         }
         line.number(words.next())?
     } else {
-        import.notes.push("there is no space after OFF".to_owned());
+        let what =
+            if is_count { "the header OFF is missing" } else { "there is no space after OFF" };
+        import.notes.push(what.to_owned());
         line.number(Some(glued))?
     };
     let counts = [vertices, line.number(words.next())?];

@@ -47,6 +47,12 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                 _ => {}
             }
         }
+        if !element.has_corners()
+            && element.properties.iter().any(|property| property.name == INDICES)
+        {
+            let what = format!("elements {} are passed over", element.shown());
+            import.note(&what, element.count);
+        }
     }
     match header.encoding {
         Encoding::Text => {
@@ -89,7 +95,7 @@ impl Record<'_, '_> {
                     position[axis] = self.coordinate(scalar, &mut import.source)?;
                 }
                 (None, None) => self.pass(scalar)?,
-                (Some(count), _) if name == INDICES => {
+                (Some(count), _) if name == INDICES && self.element.has_corners() => {
                     for _ in 0..self.natural(count)? {
                         let corner = self.natural(scalar)?;
                         import.push_corner(corners, corner)?;

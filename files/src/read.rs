@@ -46,6 +46,9 @@ pub enum Weld {
 /// The most bytes of something that is not a regular file, unless more are asked for.
 const MOST_STREAMED: usize = 1 << 30;
 
+/// Begins some texts in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// The contents of a mesh file.
 #[derive(Debug)]
 pub enum Contents {
@@ -155,7 +158,7 @@ pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Contents, ReadE
 /// Reads a mesh from a file whose length is known, or from a stream.
 fn load(
     mut from: impl Read,
-    found: Option<u64>,
+    mut found: Option<u64>,
     path: &Path,
     options: &ReadOptions,
 ) -> Result<Contents, Fault> {
@@ -169,6 +172,10 @@ fn load(
     from.by_ref().take(16).read_to_end(&mut bytes)?;
     if bytes.is_empty() {
         return Err(Fault::broken("is empty"));
+    }
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+        found = found.map(|found| found - BYTE_ORDER_MARK.len() as u64);
     }
     if let Some(is_big) = text::utf16(&bytes) {
         read_rest(from, found, most, None, &mut bytes)?;

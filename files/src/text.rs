@@ -15,8 +15,6 @@ pub(crate) struct Line<'t> {
 /// The lines of a file that have words. They end as in Unix or Windows, or in a file without `\n` as on
 /// old Macs.
 pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> + Clone {
-    const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     let lines = bytes.split(move |&b| b == end).zip(1..).map(|(line, number)| {
         // Within a word it is a part of a name.

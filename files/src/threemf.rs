@@ -7,9 +7,10 @@ use crate::budget::Budget;
 use crate::error::Fault;
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
-use crate::text::quote;
+use crate::text::{from_utf16, quote, utf16};
 use glam::{DMat4, DVec3};
 use quick_xml::events::{BytesStart, Event};
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
 use std::rc::Rc;
@@ -125,7 +126,13 @@ impl Package<'_> {
     /// The bytes of a part of the package.
     fn unpacked(&mut self, path: &str, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
         let fault = |what: String| Fault::broken(format!("{path}: {what}"));
-        let part = self.archive.by_name(path).map_err(|error| fault(error.to_string()))?;
+        // Names of parts are the same in capitals.
+        let is_named = |name: &Cow<'_, str>| name.eq_ignore_ascii_case(path);
+        let name = self.archive.file_names().flatten().find(is_named).map(String::from);
+        let part = self
+            .archive
+            .by_name(name.as_deref().unwrap_or(path))
+            .map_err(|error| fault(error.to_string()))?;
         let (packed, stated) = (part.compressed_size() as usize, part.size() as usize);
         let packed = packed.min(self.packed);
         self.packed -= packed;
@@ -136,7 +143,10 @@ impl Package<'_> {
         let most = budget.left().saturating_add(1) as u64;
         part.take(most).read_to_end(&mut bytes).map_err(|error| fault(error.to_string()))?;
         budget.take(bytes.len())?;
-        Ok(bytes)
+        match utf16(&bytes) {
+            Some(is_big) => Ok(from_utf16(bytes, is_big)?.into_bytes()),
+            None => Ok(bytes),
+        }
     }
 
     /// Reads a part, unless it is read already.
@@ -244,17 +254,23 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
     let mut part = Part { path: path.to_owned(), ..Part::default() };
     let mut object = None;
     let mut lattices = 0;
+    // The prefix of the elements of the core specification, with its colon.
+    let mut prefix = String::new();
     while let Some(event) = xml.next()? {
         let (element, is_empty) = match event {
             Event::Start(element) => (element, false),
             Event::Empty(element) => (element, true),
-            Event::End(end) if end.name().as_ref() == "object" => {
+            Event::End(end) if end.name().as_ref().strip_prefix(&prefix[..]) == Some("object") => {
                 close(&mut part, &mut object, &mut import.budget)?;
                 continue;
             }
             _ => continue,
         };
-        match (element.name().as_ref(), &mut object) {
+        let name = element.name();
+        if element.local_name().as_ref() == "model" {
+            prefix = name.as_ref().trim_end_matches("model").to_owned();
+        }
+        match (name.as_ref().strip_prefix(&prefix[..]).unwrap_or_default(), &mut object) {
             ("model", _) => {
                 check_required(&xml, &element)?;
                 part.unit = xml.text(&element, "unit")?;
@@ -303,9 +319,7 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 let placed = placed(&xml, &element, &mut import.budget)?;
                 part.items.push(Item { placed, name });
             }
-            (name, Some(_)) if name.ends_with(":beamlattice") => {
-                lattices += 1;
-            }
+            (_, Some(_)) if element.local_name().as_ref() == "beamlattice" => lattices += 1,
             _ => {}
         }
     }

@@ -141,6 +141,10 @@ fn check(element: &Element<'_>) -> Result<(), Fault> {
 }
 
 impl Element<'_> {
+    pub(super) fn has_corners(&self) -> bool {
+        matches!(self.name, b"face" | b"tristrips")
+    }
+
     /// The name for an error text.
     pub(super) fn shown(&self) -> String {
         self.name[..self.name.len().min(40)].escape_ascii().to_string()

@@ -43,6 +43,18 @@ fn stl_beside_the_rule() {
     same("stl", ascii.as_bytes(), ascii.replace("endloop", "END LOOP"), "end solid");
     same("stl", ascii.as_bytes(), ascii.trim_end_matches("endsolid\n"), "before its last endsolid");
     same("stl", ascii.as_bytes(), ascii.clone() + "\0\0\0", "NULs after the text");
+    let mut uncounted = binary.clone();
+    uncounted[80..84].fill(0xff);
+    same("stl", &binary, &uncounted, "counts 4294967295 triangles");
+    // A solid in one line, or a facet.
+    let named = ascii.replacen("solid\n", "solid a facet\n", 1);
+    let split = |text: &str| {
+        text.replacen("endsolid\n", "endsolid@", 1).replace('\n', " ").replace('@', "\n")
+    };
+    let (whole, in_lines) = (read("stl", &named).unwrap(), read("stl", split(&named)).unwrap());
+    assert_eq!((&in_lines.mesh, in_lines.source.bodies()), (&whole.mesh, whole.source.bodies()));
+    assert_eq!(whole.source.bodies()[0], "a facet");
+    assert!(read("stl", named.replace('\n', " ")).unwrap_err().contains("where another ends"));
     assert!(read("stl", ascii.replacen("outer", "\0uter", 1)).is_err());
 }
 
@@ -53,6 +65,7 @@ fn off_beside_the_rule() {
     same("off", good, off.replace("OFF\n", "OFF"), "no space after OFF");
     same("off", good, off.replace("OFF\n", "  OFF").replace("4 2 0", "4 2 0 # two"), "no space");
     same("off", good, off.replace("OFF", "off"), "capitals");
+    same("off", good, off.replace("OFF\n", ""), "the header OFF is missing");
     same("off", good, off.replace('\n', " "), "follow the counts");
     same("off", good, off.replace("0\n0 0 0\n", "0 0\n0\n0 "), "follow the counts");
     same("off", good, off.to_owned() + "\0", "NULs");
@@ -186,6 +199,11 @@ fn strips_are_read() {
     let stitched = with("7 0 1 2 2 2 3 4").unwrap();
     assert_eq!(stitched.mesh.triangles, [[0, 1, 2], [2, 3, 4]]);
     assert!(with("3 0 1 5").unwrap_err().contains("no vertex 5"));
+    let other = ply_strips().replace("element tristrips", "element trifans");
+    let with_face = other
+        .replace("end_header", "element face 1\nproperty list int int vertex_index\nend_header");
+    let other = read("ply", with_face + "3 0 1 2\n").unwrap();
+    assert_eq!(other.notes, ["elements trifans are passed over: 1"]);
     let over = with("3 0 1 2\n3 0 1 2").unwrap();
     assert!(over.notes[0].contains("lines after the last element"), "{:?}", over.notes);
 }
@@ -206,6 +224,27 @@ fn gltf_is_read_as_it_is_used() {
     for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_unheard_of"] {
         assert!(read("gltf", required(name)).unwrap_err().contains(name));
     }
+    // Beside geometry, a document may be as it likes.
+    for (from, to) in [
+        (r#""POSITION":1}"#, r#""POSITION":1,"BATCHID":7,"COLOR":0}"#),
+        (r#""accessors":["#, r#""animations":[{"channels":[],"samplers":9}],"accessors":["#),
+        (r#""accessors":["#, r#""materials":[{"alphaMode":"so"}],"accessors":["#),
+        (
+            r#""max":[1,1,0]}]"#,
+            r#""max":[1,1,0]},{"bufferView":7,"componentType":5130,"count":1,"type":"VEC5"}]"#,
+        ),
+        (r#""byteLength":48}],"#, r#""byteLength":48,"target":0}],"#),
+        (r#""scenes":[{"nodes":[0,1]}]"#, r#""scenes":[{"nodes":[0,1]},{"name":"empty"}]"#),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let odd = read("gltf", good.replace(from, to)).unwrap_or_else(|e| panic!("{to}: {e}"));
+        assert_eq!((odd.mesh, odd.notes), (read("gltf", &good).unwrap().mesh, Vec::new()), "{to}");
+    }
+    let mark = "\u{feff}".to_owned() + &good;
+    assert_eq!(read("gltf", mark).unwrap().mesh, read("gltf", &good).unwrap().mesh);
+    same("gltf", good.as_bytes(), good.clone() + "\0", "NULs");
+    let nothing = good.replace("{\"mesh\":0}", "{\"mesh\":0,\"rotation\":[0,0,0,0]}");
+    assert!(read("gltf", nothing).unwrap_err().contains("node 0: a rotation"));
     let bounds = "\"min\":[0,0,0],\"max\":[1,1,0]";
     let bare = good.replacen(&format!(",\n                      {bounds}"), "", 1);
     assert_ne!(bare, good);
