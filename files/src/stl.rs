@@ -14,9 +14,6 @@ use crate::text::{Line, Words, lines, quote, without_padding};
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-/// The numbers of triangles of headers that were written before they were counted.
-const NOT_COUNTED: [usize; 2] = [0, u32::MAX as usize];
-
 /// The triangles that a binary file says it has.
 fn count(head: &[u8]) -> Option<usize> {
     let [.., a, b, c, d] = *head.first_chunk::<HEADER>()?;
@@ -40,9 +37,8 @@ pub(crate) fn check(head: &[u8], found: Option<u64>) -> Result<bool, Fault> {
         return Ok(true);
     }
     match (triangles, found) {
-        (Some(n), Some(found)) if NOT_COUNTED.contains(&n) => {
-            let is_whole = (found - length(0)).is_multiple_of(TRIANGLE as u64);
-            if is_whole { Ok(false) } else { Err(other_length(n, found)) }
+        (Some(0), Some(found)) if !(found - length(0)).is_multiple_of(TRIANGLE as u64) => {
+            Err(other_length(0, found))
         }
         (Some(n), Some(found)) if found < length(n) => Err(other_length(n, found)),
         _ => Ok(false),
@@ -65,12 +61,9 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         return Err(Fault::broken(what).or(Remedy::Format));
     };
     let (triangles, over) = bytes[HEADER..].as_chunks::<TRIANGLE>();
-    if NOT_COUNTED.contains(&n) && over.is_empty() && !triangles.is_empty() {
-        let all = triangles.len();
-        import
-            .notes
-            .push(format!("the header counts {n} triangles: all {all} that follow are read"));
-        n = all;
+    if n == 0 && over.is_empty() && !triangles.is_empty() {
+        n = triangles.len();
+        import.notes.push(format!("the header counts 0 triangles: all {n} that follow are read"));
     }
     // After that only what holds no triangle may follow.
     let after = &bytes[length(n) as usize..];
