@@ -130,7 +130,7 @@ fn keep_geometry(root: &mut Root) {
         if !used.contains(&number) {
             accessor.component_type = Checked::Valid(GenericComponentType(ComponentType::F32));
             accessor.type_ = Checked::Valid(Type::Scalar);
-            // One that there is, if there are any.
+            // The first view, if there is one, is as good as any.
             accessor.buffer_view = root.buffer_views.first().map(|_| Index::new(0));
             (accessor.sparse, accessor.min, accessor.max) = (None, None, None);
         }

@@ -9,8 +9,8 @@ const MOST: usize = 12;
 /// Triangles that may be looked at for each corner of the face: a bound for outlines that leave nothing to flip.
 const TRIES: usize = 8;
 
-/// Flips edges of corners with more triangles than [`MOST`], each to two corners that have fewer. What the triangles cover
-/// stays the same; they turn left before and after.
+/// Flips edges of corners with more triangles than [`MOST`], each to two corners that have fewer. The triangles cover the same
+/// before and after, and turn left.
 pub(super) fn lower_valence(triangles: &mut [[u32; 3]], points: &[Point]) {
     let mut valence = vec![0; points.len()];
     triangles.as_flattened().iter().for_each(|&corner| valence[corner as usize] += 1);
