@@ -35,7 +35,7 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
     import.budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
     // Its strings and its binary chunk are copied.
     import.budget.take(bytes.len())?;
-    let mut root = root(text)?;
+    let mut root = root(text, &mut import.notes)?;
     let notes = &mut import.notes;
     for extension in std::mem::take(&mut root.extensions_required) {
         let is = |names: &[&str]| names.iter().any(|name| extension.starts_with(name));
@@ -80,24 +80,26 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
 /// Lists of a document that hold no geometry.
 const OTHERS: [&str; 6] = ["animations", "cameras", "images", "materials", "samplers", "textures"];
 
-/// Reads the text of a document, without lists that are broken and hold no geometry. `gltf` wants nodes in every scene, which the specification does not.
-fn root(text: &[u8]) -> Result<Root, Fault> {
+/// Reads the text of a document, without what is broken in it and no geometry.
+fn root(text: &[u8], notes: &mut Vec<String>) -> Result<Root, Fault> {
     deserialize::from_slice(text).or_else(|error| {
         let broken = Fault::broken(error.to_string());
-        let Ok(mut json) = deserialize::from_slice::<Value>(text) else { return Err(broken) };
-        if json["meshes"].is_object() {
+        let json = deserialize::from_slice::<Value>(text);
+        let Ok(Value::Object(mut json)) = json else { return Err(broken) };
+        if json.get("meshes").is_some_and(Value::is_object) {
             return Err(Fault::broken(FIRST_VERSION));
         }
-        if let Some(json) = json.as_object_mut() {
+        // The specification lets a scene have none, and `gltf` does not.
+        let scenes = json.get_mut("scenes").and_then(Value::as_array_mut);
+        for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+            scene.entry("nodes").or_insert(Value::Array(Vec::new()));
+        }
+        deserialize::from_value(Value::Object(json.clone())).or_else(|_| {
             OTHERS.iter().for_each(|list| drop(json.remove(*list)));
-        }
-        for scene in json["scenes"].as_array_mut().into_iter().flatten() {
-            if let Some(scene) = scene.as_object_mut().filter(|scene| !scene.contains_key("nodes"))
-            {
-                scene.insert("nodes".to_owned(), Value::Array(Vec::new()));
-            }
-        }
-        deserialize::from_value(json).map_err(|_| broken)
+            json.insert("asset".to_owned(), Value::from_iter([("version", "2.0")]));
+            notes.push(format!("passed over, as it is no geometry: {error}"));
+            deserialize::from_value(Value::Object(json)).map_err(|_| broken)
+        })
     })
 }
 

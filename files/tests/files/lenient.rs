@@ -224,7 +224,6 @@ fn gltf_is_read_as_it_is_used() {
     // Beside geometry, a document may be as it likes.
     for (from, to) in [
         (r#""POSITION":1}"#, r#""POSITION":1,"BATCHID":7,"COLOR":0}"#),
-        (r#""accessors":["#, r#""animations":[{"channels":[],"samplers":9}],"accessors":["#),
         (r#""accessors":["#, r#""materials":[{"alphaMode":"so"}],"accessors":["#),
         (
             r#""max":[1,1,0]}]"#,
@@ -236,6 +235,19 @@ fn gltf_is_read_as_it_is_used() {
         assert!(good.contains(from), "{from}");
         let odd = read("gltf", good.replace(from, to)).unwrap_or_else(|e| panic!("{to}: {e}"));
         assert_eq!((odd.mesh, odd.notes), (read("gltf", &good).unwrap().mesh, Vec::new()), "{to}");
+    }
+    for (from, to) in [
+        (r#""accessors":["#, r#""animations":[{"channels":[],"samplers":9}],"accessors":["#),
+        (r#"{"asset":{"version":"2.0"},"#, "{"),
+    ] {
+        same("gltf", good.as_bytes(), good.replacen(from, to, 1), "no geometry");
+    }
+    for list in ["[]", "3", "{\"asset\":{}", "{\"meshes\":[{\"primitives\":4}]}"] {
+        assert!(read("gltf", list).is_err(), "{list}");
+        let json = format!("{list:40}");
+        let length = (20 + json.len() as u32).to_le_bytes();
+        let chunk = [&(json.len() as u32).to_le_bytes()[..], b"JSON", json.as_bytes()].concat();
+        assert!(read("glb", [b"glTF\x02\0\0\0", &length[..], &chunk].concat()).is_err(), "{list}");
     }
     let mark = "\u{feff}".to_owned() + &good;
     assert_eq!(read("gltf", mark).unwrap().mesh, read("gltf", &good).unwrap().mesh);
