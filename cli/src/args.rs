@@ -148,6 +148,11 @@ impl Reading {
             },
         }
     }
+
+    /// The same, with vertices of a file joined only at the same place; and the distance within which those of one body are.
+    pub(crate) fn bodies_apart(&self) -> (Self, Option<f64>) {
+        (Self { weld: self.weld.map(|_| 0.0), ..self.clone() }, self.weld)
+    }
 }
 
 fn distance(text: &str) -> Result<f64, String> {

@@ -1,8 +1,7 @@
 //! Contacts, and their segments joined to polylines.
 
 use pfront::Contact;
-use pfront_files::write_polylines;
-use std::collections::HashMap;
+use pfront_files::{TriangleMesh, write_polylines};
 use std::io::{self, Write};
 
 /// Ends of segments that are nearer than this, as a part of the largest coordinate, are one point: neighbouring
@@ -43,20 +42,17 @@ impl Curves {
             segments.first().map_or([0.0; 3], |[end, _]| if is_f64 { *end } else { [0.0; 3] });
         let reach = |p: &[f64; 3]| (0..3).map(|k| (p[k] - from[k]).abs()).fold(0.0, f64::max);
         let largest = segments.as_flattened().iter().map(reach).fold(0.0, f64::max);
-        let mut points = Points {
-            cell: (NEAR * largest).max(f32::MIN_POSITIVE.into()),
-            from,
-            ..Points::default()
-        };
-        let mut ends: Vec<[u32; 2]> = segments
-            .iter()
-            .map(|segment| segment.map(|point| points.number(point)))
-            .filter(|[a, b]| a != b)
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
+        // As triangles of two corners, ends that are near are joined as vertices are.
+        let triangles = (0..segments.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
+        let positions = segments.as_flattened().to_vec();
+        let mut joined = TriangleMesh { positions, triangles };
+        joined.weld_within(NEAR * largest);
+        let TriangleMesh { positions: points, triangles } = joined;
+        let ends = triangles.iter().filter(|[a, b, _]| a != b);
+        let mut ends: Vec<[u32; 2]> = ends.map(|[a, b, _]| [*a.min(b), *a.max(b)]).collect();
         ends.sort_unstable();
         ends.dedup();
-        let mut around = vec![Vec::new(); points.points.len()];
+        let mut around = vec![Vec::new(); points.len()];
         for (segment, [a, b]) in ends.iter().enumerate() {
             around[*a as usize].push(segment);
             around[*b as usize].push(segment);
@@ -73,7 +69,7 @@ impl Curves {
                 }
             }
         }
-        Self { points: points.points, lines, is_f64 }
+        Self { points, lines, is_f64 }
     }
 
     /// Writes them as OBJ.
@@ -106,29 +102,4 @@ fn follow(
         }
     }
     (line.len() > 1).then_some(line)
-}
-
-/// Points by the cells of a grid.
-#[derive(Default)]
-struct Points {
-    cell: f64,
-    /// Where the grid begins.
-    from: [f64; 3],
-    points: Vec<[f64; 3]>,
-    numbers: HashMap<[i64; 3], u32>,
-}
-
-impl Points {
-    /// The number of a point, which is that of another in the same cell or in one beside it.
-    fn number(&mut self, point: [f64; 3]) -> u32 {
-        let at = [0, 1, 2].map(|k| ((point[k] - self.from[k]) / self.cell).floor() as i64);
-        let cells = (0..27).map(|i| [at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1]);
-        if let Some(&number) = cells.filter_map(|cell| self.numbers.get(&cell)).next() {
-            return number;
-        }
-        let number = self.points.len() as u32;
-        self.points.push(point);
-        self.numbers.insert(at, number);
-        number
-    }
 }

@@ -1,6 +1,7 @@
 //! Baked meshes: blobs of a mesh and its BVH, see [`pfront_core::blob`].
 
 use crate::error::Fault;
+use crate::import::Import;
 use crate::mesh::TriangleMesh;
 use pfront_core::Node;
 use pfront_core::blob::{Blob, BlobError, BlobStorage};
@@ -11,12 +12,23 @@ impl From<BlobError> for Fault {
     }
 }
 
-/// Checks the header of a blob, and that it has triangles.
-pub(crate) fn check(bytes: &[u8]) -> Result<(), Fault> {
-    match Blob::new(bytes)?.counts().triangles {
-        0 => Err(Fault::no_triangle()),
-        _ => Ok(()),
+/// Checks the header of a blob, and that it has triangles; returns whether it is in f64.
+pub(crate) fn is_f64(bytes: &[u8]) -> Result<bool, Fault> {
+    let counts = Blob::new(bytes)?.counts();
+    if counts.triangles == 0 {
+        Err(Fault::no_triangle(0, &[]))
+    } else {
+        Ok(counts.positions_f64 > 0)
     }
+}
+
+/// Reads the mesh of a blob without its BVH.
+pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
+    import.mesh = mesh(bytes)?;
+    for position in &mut import.mesh.positions {
+        *position = import.source.rounded(*position);
+    }
+    Ok(())
 }
 
 /// The mesh of a blob without its BVH.

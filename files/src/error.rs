@@ -55,8 +55,14 @@ impl Fault {
         Self { place: Place::Byte(byte), ..Self::broken(what) }
     }
 
-    pub(crate) fn no_triangle() -> Self {
-        Self::broken("there is no triangle in it").or(Remedy::Format)
+    /// The fault of a file that has vertices and what was passed over, and no triangle.
+    pub(crate) fn no_triangle(vertices: usize, notes: &[String]) -> Self {
+        let mut what = "there is no triangle in it".to_owned();
+        if vertices > 0 {
+            what += &format!(", but vertices: {vertices}");
+        }
+        notes.iter().for_each(|note| what += &format!("; {note}"));
+        Self::broken(what).or(Remedy::Format)
     }
 
     /// More than so many bytes are needed.

@@ -5,3 +5,6 @@ pub const FORMATS: [&str; 8] = ["obj", "ply", "stl", "off", "gltf", "glb", "3mf"
 
 /// The extension of what `pfront bake` writes.
 pub(crate) const BAKED: &str = "pfb";
+
+/// The fault of a glTF of another version than the second.
+pub(crate) const FIRST_VERSION: &str = "glTF 1 is not read: convert it to glTF 2";

@@ -11,7 +11,7 @@ use crate::error::Fault;
 use crate::folder::Folder;
 use crate::import::Import;
 use checked::Buffers;
-use glam::{DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
+use glam::{DMat4, Mat4, Vec3};
 use gltf::accessor::Accessor;
 use gltf::mesh::{Mode, Semantic};
 use gltf::scene::Transform;
@@ -34,11 +34,6 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
             document.nodes().filter(|node| !children.contains(&node.index())).collect()
         }
     };
-    let left_out = document.scenes().len().saturating_sub(1);
-    if left_out > 0 {
-        let read = if document.default_scene().is_some() { "default" } else { "first" };
-        import.notes.push(format!("scenes beside the {read} one are passed over: {left_out}"));
-    }
 
     // A small file may place a mesh any number of times: what is asked for is counted before it is read.
     let mut bytes = 0;
@@ -66,9 +61,10 @@ pub(crate) fn parse(bytes: &[u8], folder: &Folder<'_>, import: &mut Import) -> R
     {
         return Err(Fault::broken(format!("node {node} is below itself")));
     }
-    if others > 0 {
-        import.notes.push(format!("points and lines are passed over: {others} primitives"));
-    }
+    import.note("primitives of points and lines are passed over", others);
+    let is_elsewhere = |node: &Node<'_>| node.mesh().is_some() && worlds[node.index()].is_none();
+    let elsewhere = document.nodes().filter(is_elsewhere).count();
+    import.note("nodes with a mesh outside of the scene are passed over", elsewhere);
     let mut skins = Skins::default();
     walk(document, &roots, |node, world| {
         let name = node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned);
@@ -104,7 +100,9 @@ fn walk<'d>(
     }
     pending.reverse();
     while let Some((node, above)) = pending.pop() {
-        let world = above * transform(&node);
+        let own = transform(&node)
+            .map_err(|fault| fault.within(format_args!("node {}", node.index())))?;
+        let world = above * own;
         visit(&node, &world)?;
         let first = pending.len();
         for child in node.children() {
@@ -132,15 +130,15 @@ fn demand(primitive: &Primitive<'_>, vertices: usize) -> usize {
     budget::demand(vertices, triangles)
 }
 
-fn transform(node: &Node<'_>) -> DMat4 {
-    match node.transform() {
+fn transform(node: &Node<'_>) -> Result<DMat4, Fault> {
+    Ok(match node.transform() {
         Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix).as_dmat4(),
         Transform::Decomposed { translation, rotation, scale } => {
-            let rotation: DQuat = Quat::from_array(rotation).as_dquat().normalize();
+            let rotation = pose::rotation(rotation.map(f64::from))?;
             let [scale, translation] = [scale, translation].map(|v| Vec3::from(v).as_dvec3());
             DMat4::from_scale_rotation_translation(scale, rotation, translation)
         }
-    }
+    })
 }
 
 fn push(
@@ -154,18 +152,9 @@ fn push(
     let budget = &import.budget;
     let mut positions = accessor::positions(&accessor, buffers, budget)?;
     pose.apply(primitive, &mut positions, buffers, budget)?;
-    let in_f32 = import.source.in_f32;
-    let mesh = &mut import.mesh;
-    let first = mesh.positions.len() as u32;
-    // Positions that no node moves stay the same to the bit.
-    let moves = *world != DMat4::IDENTITY;
-    let place = |p: [f64; 3]| {
-        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
-        if in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
-    };
-    mesh.positions.extend(positions.into_iter().map(place));
+    let first = import.push_placed(&positions, world);
+    let (budget, mesh) = (&import.budget, &mut import.mesh);
     let end = mesh.positions.len() as u32;
-
     let corners: Vec<u32> = match primitive.indices() {
         Some(indices) => {
             let indices = accessor::indices(&indices, buffers, budget)?;

@@ -2,7 +2,7 @@
 //! refused by these, before the rest is read.
 
 use crate::error::{Fault, Remedy};
-use crate::format::BAKED;
+use crate::format::{BAKED, FIRST_VERSION};
 use crate::stl;
 use crate::text::without_padding;
 use pfront_core::blob::{BlobError, MAGIC};
@@ -41,6 +41,9 @@ pub(crate) fn length(format: &str, head: &[u8], found: Option<u64>) -> Result<Op
     let (due, is_text) = match format {
         BAKED if !head.starts_with(&MAGIC) => return Err(BlobError::Magic.into()),
         BAKED => (number(16).zip(number(20)).map(|(low, high)| low | high << 32), false),
+        "gltf" | "glb" if head.starts_with(b"glTF\x01") => {
+            return Err(Fault::broken(FIRST_VERSION));
+        }
         "gltf" | "glb" if head.starts_with(b"glTF") => (number(8), false),
         "gltf" | "glb" if head.trim_ascii_start().first().is_some_and(|&byte| byte != b'{') => {
             return Err(Fault::broken("neither glTF nor a JSON object").or(Remedy::Format));

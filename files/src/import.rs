@@ -6,6 +6,7 @@ use crate::mesh::TriangleMesh;
 use crate::source::Source;
 use crate::text::without_padding;
 use crate::triangulate::{SCRATCH, triangulate};
+use glam::{DMat4, DVec3};
 use std::collections::HashMap;
 
 /// A mesh that is being read, where it comes from, and what reading may take.
@@ -41,10 +42,7 @@ impl Import {
     /// The bytes of a text without the NULs that it ends with.
     pub(crate) fn text<'b>(&mut self, bytes: &'b [u8]) -> &'b [u8] {
         let text = without_padding(bytes);
-        match bytes.len() - text.len() {
-            0 => {}
-            over => self.notes.push(format!("NULs after the text are passed over: {over}")),
-        }
+        self.note("NULs after the text are passed over", bytes.len() - text.len());
         text
     }
 
@@ -55,6 +53,13 @@ impl Import {
         self.source.rounded = 0;
         self.strange.clear();
         self.small_faces = 0;
+    }
+
+    /// Notes what was passed over, unless it is none.
+    pub(crate) fn note(&mut self, what: &str, count: usize) {
+        if count > 0 {
+            self.notes.push(format!("{what}: {count}"));
+        }
     }
 
     /// Begins a new body with the triangle that comes next, and returns its number.
@@ -92,6 +97,19 @@ impl Import {
         self.check_memory()
     }
 
+    /// Adds vertices that a matrix places, and returns the number of the first.
+    pub(crate) fn push_placed(&mut self, positions: &[[f64; 3]], world: &DMat4) -> u32 {
+        let Self { mesh, source, .. } = self;
+        let first = mesh.positions.len() as u32;
+        // Positions that nothing moves stay the same to the bit.
+        let moves = *world != DMat4::IDENTITY;
+        mesh.positions.extend(positions.iter().map(|&p| {
+            let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
+            source.rounded(placed)
+        }));
+        first
+    }
+
     /// Adds a corner of a face to those before it.
     pub(crate) fn push_corner(&self, corners: &mut Vec<u32>, corner: u32) -> Result<(), Fault> {
         if corners.len().is_power_of_two() {
@@ -107,10 +125,11 @@ impl Import {
 
     /// Completes the mesh: polygons are triangulated, and every vertex of a triangle is there and finite.
     pub(crate) fn finish(&mut self) -> Result<(), Fault> {
-        if self.mesh.triangles.is_empty() {
-            return Err(Fault::no_triangle());
-        }
         let all = self.mesh.positions.len();
+        self.note("faces of one or two corners are passed over", self.small_faces);
+        if self.mesh.triangles.is_empty() {
+            return Err(Fault::no_triangle(all, &self.notes));
+        }
         if let Some(at) =
             self.mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= all))
         {
@@ -123,14 +142,11 @@ impl Import {
         self.check_coordinates()?;
         self.triangulate_faces()?;
         self.source.end_bodies(self.mesh.triangles.len());
-        if self.small_faces > 0 {
-            let what = "faces of one or two corners are passed over";
-            self.notes.push(format!("{what}: {}", self.small_faces));
-        }
         if self.source.rounded > 0 {
-            let (rounded, all) = (self.source.rounded, 3 * self.mesh.positions.len());
+            let rounded = self.source.rounded;
             self.notes.push(format!(
-                "{rounded} of {all} coordinates were rounded to f32; the answer is exact for what they became"
+                "{rounded} of {} coordinates were rounded to f32; the answer is exact for what they became",
+                3 * all
             ));
         }
         Ok(())
@@ -170,9 +186,7 @@ impl Import {
             unused += 1;
             *position = instead;
         }
-        self.notes.push(format!(
-            "vertices that no face uses are not finite, and put elsewhere: {unused}"
-        ));
+        self.note("vertices that no face uses are not finite, and put elsewhere", unused);
         Ok(())
     }
 

@@ -58,8 +58,17 @@ impl TriangleMesh {
         });
     }
 
-    /// Joins each vertex with the first within a distance, and returns how many that moves.
-    pub(crate) fn weld_within(&mut self, distance: f64) -> usize {
+    /// Joins each vertex with the first within a distance, and returns how many that moves. Triangles keep their numbers.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_files::TriangleMesh;
+    /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1e-7, 0.0]];
+    /// let mut mesh = TriangleMesh { positions, triangles: vec![[0, 1, 2], [2, 3, 0]] };
+    /// assert_eq!(mesh.weld_within(1e-6), 1);
+    /// assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 0]]);
+    /// ```
+    pub fn weld_within(&mut self, distance: f64) -> usize {
         self.weld();
         let before = self.positions.len();
         if distance > 0.0 && distance.is_finite() {

@@ -8,25 +8,30 @@ use crate::import::Import;
 use crate::text::{Line, lines, quote};
 use std::collections::HashMap;
 
-/// The statements of the specification, of which three are read.
-const STATEMENTS: &str = "v vt vn vp f fo l p g s o mg usemtl mtllib usemap maplib deg bmat step cstype curv curv2 surf parm \
-    trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech stech call csh";
+/// Statements that leave triangles alone, of the specification and of some programs.
+const HARMLESS: &str = "vt vn vp s mg usemtl mtllib usemap maplib deg bmat step cstype parm end con bevel c_interp d_interp lod \
+    shadow_obj trace_obj ctech stech";
+
+/// Statements of geometry that is no triangle, and of other files.
+const OTHERS: &str = "p l curv curv2 surf trim hole scrv sp call csh";
 
 pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let bytes = import.text(bytes);
     let joined = join_continued(bytes, import)?;
     let mut corners = Vec::new();
     let mut bodies = Bodies::default();
+    let (mut others, mut strange) = (Passed::default(), Passed::default());
     // Faces may come before their vertices.
     let mut farthest = (0, 0);
     for line in lines(joined.as_deref().unwrap_or(bytes)) {
         let mut words = line.words();
-        match words.next() {
-            Some(b"v") => {
+        let is_of = |list: &str, word: &[u8]| list.split(' ').any(|s| s.as_bytes() == word);
+        match line.word(words.next())? {
+            b"v" => {
                 let position = line.position(&mut words, &mut import.source)?;
                 import.push_position(position, line.number)?;
             }
-            Some(b"f" | b"fo") => {
+            b"f" | b"fo" => {
                 corners.clear();
                 for word in words {
                     import.is_split |= word.contains(&b'/');
@@ -36,26 +41,49 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
                 }
                 import.push_face(&corners)?;
             }
-            Some(word @ (b"o" | b"g")) => bodies.begin(word, words, import)?,
-            _ => {}
+            word @ (b"o" | b"g") => bodies.begin(word, words, import)?,
+            word if is_of(HARMLESS, word) => {}
+            word if is_of(OTHERS, word) => others.add(&line, word),
+            word => strange.add(&line, word),
         }
     }
-    let mesh = &import.mesh;
-    if mesh.triangles.is_empty() {
-        let is_strange = |word: &[u8]| !STATEMENTS.split_whitespace().any(|s| s.as_bytes() == word);
-        for line in lines(joined.as_deref().unwrap_or(bytes)) {
-            if let Some(word) = line.words().next().filter(|word| is_strange(word)) {
-                let what = format!("{} is no statement of OBJ", quote(word));
-                return Err(line.fault(what).or(Remedy::Format));
-            }
+    let all = import.mesh.positions.len();
+    match (import.mesh.triangles.is_empty(), strange.first) {
+        (true, Some((line, word))) => {
+            let what = format!("{} is no statement of OBJ", quote(word));
+            Err(Fault::line(line, what).or(Remedy::Format))
+        }
+        (false, _) if farthest.0 as usize >= all => {
+            let vertex = u64::from(farthest.0) + 1;
+            Err(Fault::line(farthest.1, format!("vertex {vertex} of {all}")))
+        }
+        _ => {
+            others.note("points, lines, surfaces and other files are passed over", import);
+            strange.note("lines that are no statements of OBJ are passed over", import);
+            Ok(())
         }
     }
-    match farthest {
-        (vertex, line) if vertex as usize >= mesh.positions.len() && !mesh.triangles.is_empty() => {
-            let all = mesh.positions.len();
-            Err(Fault::line(line, format!("vertex {} of {all}", u64::from(vertex) + 1)))
+}
+
+/// Statements that were passed over.
+#[derive(Default)]
+struct Passed<'b> {
+    count: usize,
+    /// The number of the first line, and its first word.
+    first: Option<(usize, &'b [u8])>,
+}
+
+impl<'b> Passed<'b> {
+    fn add(&mut self, line: &Line<'_>, word: &'b [u8]) {
+        self.count += 1;
+        self.first.get_or_insert((line.number, word));
+    }
+
+    fn note(&self, what: &str, import: &mut Import) {
+        if let Some((line, word)) = self.first {
+            let (count, word) = (self.count, quote(word));
+            import.notes.push(format!("{what}: {count}, the first is {word} in line {line}"));
         }
-        _ => Ok(()),
     }
 }
 

@@ -1,158 +1,171 @@
 //! PLY, text and binary: x, y and z of `vertex`, `vertex_indices` (or `vertex_index`) of `face` and `tristrips`; other
 //! elements and properties are passed over.
 //!
-//! `ply-rs-bw` reads the header and binary elements. Not those in text: it knows no `nan` and no `.5`
-//! there, and rounds doubles twice.
+//! By hand: `ply-rs-bw` refuses headers with a line of no statement, knows no `nan` and no `.5` in text, and rounds
+//! doubles twice.
 
-mod element;
+mod header;
 
 use crate::error::Fault;
 use crate::import::Import;
-use crate::text::{Line, lines};
-use element::{AXES, Element, INDICES, RESTART};
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType};
-use std::io::ErrorKind;
+use crate::source::Source;
+use crate::text::{Line, Words, lines};
+use header::{AXES, Element, Encoding, INDICES, Scalar, header};
+
+/// Stands for −1, with which a strip ends and another begins.
+const RESTART: u32 = u32::MAX;
 
 pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
-    check_lines(bytes)?;
-    let parser = Parser::<Element>::new();
-    let mut reader = Reader::new(bytes);
-    let header = parser.read_header(&mut reader)?;
-    let first = reader.line();
-    let mut rest = reader.into_inner();
-    check_header(&header, &bytes[..bytes.len() - rest.len()])?;
-
-    let mut lines = lines(bytes).skip_while(|line| line.number < first);
-    for element in header.elements.values() {
+    let header = header(bytes, import)?;
+    let mut text = lines(bytes).skip_while(|line| line.number <= header.lines);
+    let mut rest = &bytes[header.bytes..];
+    let mut corners = Vec::new();
+    for element in &header.elements {
         for number in 0..element.count {
-            let at = bytes.len() - rest.len();
-            let fault = |e| binary_fault(&e, at, element, number);
-            let mut line_number = 0;
-            let record = match header.encoding {
-                Encoding::Ascii => match lines.next() {
-                    Some(line) => {
-                        line_number = line.number;
-                        Element::from_text(&line, element, &mut import.source)
-                    }
-                    None => Err(Fault::broken(ends_in(element, number))),
-                },
-                Encoding::BinaryLittleEndian => {
-                    parser.read_little_endian_element(&mut rest, element).map_err(fault)
+            let data = match header.encoding {
+                Encoding::Text => {
+                    let ends = || Fault::broken(ends_in(element, number));
+                    let line = text.next().ok_or_else(ends)?;
+                    Data::Text { line, words: line.words() }
                 }
-                Encoding::BinaryBigEndian => {
-                    parser.read_big_endian_element(&mut rest, element).map_err(fault)
+                Encoding::Binary { is_big } => {
+                    Data::Binary { byte: bytes.len() - rest.len(), rest: &mut rest, is_big }
                 }
-            }?;
-            match (&element.name[..], record.corners.len()) {
-                ("vertex", _) => {
-                    let mut position = record.position;
-                    if import.source.in_f32 {
-                        position = position.map(|x| f64::from(x as f32));
-                        // NaN is neither.
-                        let is_rounded = |(x, y): &(f64, f64)| (x - y).abs() > 0.0;
-                        let both = position.into_iter().zip(record.position);
-                        import.source.rounded += both.filter(is_rounded).count();
-                    }
-                    import.push_position(position, line_number)?;
+            };
+            let mut record = Record { element, number, data };
+            let position = record.read(&mut corners, import)?;
+            match element.name {
+                b"vertex" => {
+                    let position = import.source.rounded(position);
+                    import.push_position(position, record.line())?;
                 }
-                ("face", _) if record.corners.contains(&RESTART) => {
-                    return Err(Fault::byte(at, not_natural(element, number)));
-                }
-                ("face", _) => import.push_face(&record.corners)?,
-                ("tristrips", _) => {
-                    let corners = record.corners.split(|&corner| corner == RESTART);
-                    corners.into_iter().try_for_each(|strip| import.push_strip(strip))?;
+                b"face" => import.push_face(&corners)?,
+                b"tristrips" => {
+                    let mut strips = corners.split(|&corner| corner == RESTART);
+                    strips.try_for_each(|strip| import.push_strip(strip))?;
                 }
                 _ => {}
             }
         }
-    }
-    let (lines_over, bytes_over) = match header.encoding {
-        Encoding::Ascii => (lines.count(), 0),
-        _ => (0, rest.len()),
-    };
-    if lines_over + bytes_over > 0 {
-        let what = if lines_over > 0 { "lines" } else { "bytes" };
-        let over = lines_over + bytes_over;
-        import.notes.push(format!("{what} after the last element are passed over: {over}"));
-    }
-    Ok(())
-}
-
-/// Longer lines have no place in a header.
-const LINE: usize = 4096;
-
-/// Checks the lines of the header, which `ply-rs-bw` copies.
-fn check_lines(bytes: &[u8]) -> Result<(), Fault> {
-    let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').zip(1..);
-    for (line, number) in lines {
-        if line.len() > LINE {
-            return Err(Fault::line(number, "a line of the header is too long".to_owned()));
+        if !element.has_corners()
+            && element.properties.iter().any(|property| property.name == INDICES)
+        {
+            let what = format!("elements {} are passed over", element.shown());
+            import.note(&what, element.count);
         }
-        if line.starts_with(b"end_header") {
-            break;
+    }
+    match header.encoding {
+        Encoding::Text => {
+            import.note("lines after the last element are passed over", text.count());
+        }
+        Encoding::Binary { .. } => {
+            import.note("bytes after the last element are passed over", rest.len());
         }
     }
     Ok(())
 }
 
-fn check_header(header: &Header, bytes: &[u8]) -> Result<(), Fault> {
-    // Where two have one name, `ply-rs-bw` keeps one, and then takes bytes for what they are not.
-    let declares = |line: &Line<'_>| {
-        line.words().next().is_some_and(|word| word == b"element" || word == b"property")
-    };
-    let kept: usize = header.elements.values().map(|element| 1 + element.properties.len()).sum();
-    if lines(bytes).filter(declares).count() != kept {
-        return Err(Fault::broken("two elements or two properties have the same name"));
+fn ends_in(element: &Element<'_>, number: usize) -> String {
+    format!("the file ends in {} {number} of {}", element.shown(), element.count)
+}
+
+/// An element of the data.
+struct Record<'r, 'b> {
+    element: &'r Element<'b>,
+    number: usize,
+    data: Data<'r, 'b>,
+}
+
+/// The numbers of an element that are not read yet.
+enum Data<'r, 'b> {
+    Text { line: Line<'b>, words: Words<'b> },
+    Binary { byte: usize, rest: &'r mut &'b [u8], is_big: bool },
+}
+
+impl Record<'_, '_> {
+    /// Reads the position of a vertex, and the corners of a face or strip.
+    fn read(&mut self, corners: &mut Vec<u32>, import: &mut Import) -> Result<[f64; 3], Fault> {
+        let mut position = [0.0; 3];
+        corners.clear();
+        for property in &self.element.properties {
+            let (scalar, name) = (property.scalar, property.name);
+            let axis = AXES.iter().position(|axis| *axis == name);
+            match (property.count, axis) {
+                (None, Some(axis)) => {
+                    position[axis] = self.coordinate(scalar, &mut import.source)?;
+                }
+                (None, None) => self.pass(scalar)?,
+                (Some(count), _) if name == INDICES && self.element.has_corners() => {
+                    for _ in 0..self.natural(count)? {
+                        let corner = self.natural(scalar)?;
+                        import.push_corner(corners, corner)?;
+                    }
+                }
+                (Some(count), _) => {
+                    let count = self.natural(count)?;
+                    (0..count).try_for_each(|_| self.pass(scalar))?;
+                }
+            }
+        }
+        Ok(position)
     }
-    for element in header.elements.values() {
-        let has = |names: &[&str], list| {
-            let mut found = names.iter().filter_map(|&name| element.properties.get(name));
-            found.any(|property| matches!(property.data_type, PropertyType::List(..)) == list)
-        };
-        let name = &element.name;
-        let missing = match &name[..] {
-            "vertex" => AXES.into_iter().find(|&axis| !has(&[axis], false)),
-            "face" | "tristrips" if !has(&INDICES, true) => Some("vertex_indices or vertex_index"),
-            // Any number of them would take no bytes.
-            _ if element.properties.is_empty() => Some("properties"),
-            _ => None,
-        };
-        if let Some(missing) = missing {
-            return Err(Fault::broken(format!("element {name} has no {missing}")));
+
+    /// The line, if there are lines.
+    fn line(&self) -> usize {
+        match &self.data {
+            Data::Text { line, .. } => line.number,
+            Data::Binary { .. } => 0,
         }
     }
-    Ok(())
-}
 
-fn ends_in(element: &ElementDef, number: usize) -> String {
-    format!("the file ends in {} {number} of {}", element.name, element.count)
-}
+    fn fault(&self, what: String) -> Fault {
+        match &self.data {
+            Data::Text { line, .. } => line.fault(what),
+            Data::Binary { byte, .. } => Fault::byte(*byte, what),
+        }
+    }
 
-fn not_natural(element: &ElementDef, number: usize) -> String {
-    format!("the indices of {} {number} are no natural numbers", element.name)
-}
+    /// Straight to f32 or f64 in text, whatever the type is, so that all is rounded once.
+    fn coordinate(&mut self, scalar: Scalar, source: &mut Source) -> Result<f64, Fault> {
+        match &mut self.data {
+            Data::Text { line, words } => line.coordinate(words.next(), source),
+            Data::Binary { .. } => self.number(scalar),
+        }
+    }
 
-fn binary_fault(e: &ParseError, at: usize, element: &ElementDef, number: usize) -> Fault {
-    let what = match e.kind() {
-        ErrorKind::UnexpectedEof => ends_in(element, number),
-        // `Element` does not take every type.
-        ErrorKind::InvalidData => not_natural(element, number),
-        _ => format!("{} {number}: {e}", element.name),
-    };
-    Fault::byte(at, what)
-}
+    /// A natural number, or in strips `RESTART`.
+    fn natural(&mut self, scalar: Scalar) -> Result<u32, Fault> {
+        let number = self.number(scalar)?;
+        let is_strip = self.element.name == b"tristrips";
+        if is_strip && (number == -1.0 || number == f64::from(RESTART)) {
+            return Ok(RESTART);
+        }
+        let natural = number as u32;
+        if f64::from(natural) == number && natural != RESTART {
+            return Ok(natural);
+        }
+        let (element, at) = (self.element.shown(), self.number);
+        Err(self.fault(format!("{element} {at}: {number} is no index and no number of indices")))
+    }
 
-/// A fault of a header.
-impl From<ParseError> for Fault {
-    fn from(error: ParseError) -> Self {
-        let text = error.to_string();
-        // The rest is an account of the grammar, and the line again before it.
-        let what = text.lines().next().unwrap_or_default();
-        match error.line() {
-            Some(line) => Self::line(line, what.trim_start_matches(&format!("Line {line}: "))),
-            None => Self::broken(what),
+    fn number(&mut self, scalar: Scalar) -> Result<f64, Fault> {
+        match &mut self.data {
+            Data::Text { line, words } => line.number(words.next()),
+            Data::Binary { rest, is_big, .. } => match rest.split_at_checked(scalar.size()) {
+                Some((bytes, after)) => {
+                    **rest = after;
+                    Ok(scalar.number(bytes, *is_big))
+                }
+                None => Err(self.fault(ends_in(self.element, self.number))),
+            },
+        }
+    }
+
+    /// Passes a number over, which need be none in text.
+    fn pass(&mut self, scalar: Scalar) -> Result<(), Fault> {
+        match &mut self.data {
+            Data::Text { line, words } => line.word(words.next()).map(drop),
+            Data::Binary { .. } => self.number(scalar).map(drop),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::import::Import;
 use crate::memory::available;
 use crate::mesh::TriangleMesh;
 use crate::source::Source;
-use crate::{gltf, head, obj, off, ply, stl, threemf};
+use crate::{gltf, head, obj, off, ply, stl, text, threemf};
 use pfront_core::blob::MAGIC;
 use std::fs::File;
 use std::io::{Read, stdin};
@@ -45,6 +45,9 @@ pub enum Weld {
 
 /// The most bytes of something that is not a regular file, unless more are asked for.
 const MOST_STREAMED: usize = 1 << 30;
+
+/// Begins some texts in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The contents of a mesh file.
 #[derive(Debug)]
@@ -155,72 +158,56 @@ pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Contents, ReadE
 /// Reads a mesh from a file whose length is known, or from a stream.
 fn load(
     mut from: impl Read,
-    found: Option<u64>,
+    mut found: Option<u64>,
     path: &Path,
     options: &ReadOptions,
 ) -> Result<Contents, Fault> {
+    let free = || available().unwrap_or(usize::MAX);
+    let most = options.memory.unwrap_or_else(|| match found {
+        Some(_) => free(),
+        None => MOST_STREAMED.min(free()),
+    });
     let mut bytes = Vec::new();
     // A file that is no mesh is not read to its end, which may never come.
     from.by_ref().take(16).read_to_end(&mut bytes)?;
     if bytes.is_empty() {
         return Err(Fault::broken("is empty"));
     }
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let named = FORMATS.into_iter().find(|&format| extension == format);
-    let format = if bytes.starts_with(&MAGIC) {
-        BAKED
-    } else {
-        if let Some(other) = options.format.as_deref().filter(|format| !FORMATS.contains(format)) {
-            let known = FORMATS.join(", ");
-            return Err(Fault::broken(format!("'{other}' is no format; known are {known}")));
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+        found = found.map(|found| found - BYTE_ORDER_MARK.len() as u64);
+    }
+    if let Some(is_big) = text::utf16(&bytes) {
+        read_rest(from, found, most, None, &mut bytes)?;
+        let contents = text::from_utf16(bytes, is_big)?;
+        let mut contents = load(contents.as_bytes(), Some(contents.len() as u64), path, options)?;
+        if let Contents::Mesh(file) = &mut contents {
+            file.notes.push("the text is in UTF-16".to_owned());
         }
-        let told = options.format.as_deref().or(named).or_else(|| head::beginning(&bytes));
-        told.ok_or_else(|| {
-            let known = FORMATS.join(", ");
-            Fault::broken(format!("unknown format; known are {known}")).or(Remedy::Format)
-        })?
-    };
+        return Ok(contents);
+    }
+    let format = format(&bytes, path, options)?;
     from.by_ref().take(head::HEAD).read_to_end(&mut bytes)?;
     let due = head::length(format, &bytes, found)?;
-    let free = || available().unwrap_or(usize::MAX);
-    let most = options.memory.unwrap_or_else(|| match found {
-        Some(_) => free(),
-        None => MOST_STREAMED.min(free()),
-    });
-    let endless = || Fault::broken(format!("goes on after {most} bytes")).or(Remedy::Memory);
-    if found.or(due).is_some_and(|length| length > most as u64) {
-        return Err(endless());
-    }
-    if let Some(length) = found {
-        let rest = (length as usize).saturating_sub(bytes.len()) + 1;
-        bytes.try_reserve_exact(rest).map_err(|_| Fault::memory(most))?;
-    }
-    // One more than there should be.
-    let length = due.unwrap_or(most as u64).saturating_add(1);
-    from.take(length.saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
+    read_rest(from, found, most, due, &mut bytes)?;
     let read = bytes.len();
     let mut notes = Vec::new();
-    match due {
-        Some(due) if due < read as u64 && format != BAKED => {
-            bytes.truncate(due as usize);
-            notes.push(format!("what follows the {due} bytes of the header is passed over"));
-        }
-        Some(due) if due != read as u64 => {
+    if let Some(due) = due.filter(|&due| due != read as u64) {
+        if due > read as u64 || format == BAKED {
             return Err(head::other_length(format, due, read as u64));
         }
-        None if read > most => return Err(endless()),
-        _ => {}
+        bytes.truncate(due as usize);
+        notes.push(format!("what follows the {due} bytes of the header is passed over"));
     }
     let mut budget = Budget::new(options.memory, read);
     budget.take(read)?;
     if format == BAKED {
         // The model takes as much again.
         budget.check(read)?;
-        baked::check(&bytes)?;
-        let Weld::Within(distance) = options.weld else { return Ok(Contents::Baked(bytes)) };
-        let mut mesh = baked::mesh(&bytes)?;
-        notes.extend(joined(&mut mesh, distance));
-        return Ok(Contents::Mesh(MeshFile { mesh, source: Source::default(), notes }));
+        let is_rounded = baked::is_f64(&bytes)? && options.in_f32;
+        if !is_rounded && !matches!(options.weld, Weld::Within(_)) {
+            return Ok(Contents::Baked(bytes));
+        }
     }
     let is_alone = path == Path::new("-") || path == Path::new("bytes");
     let folder = Folder {
@@ -234,26 +221,61 @@ fn load(
         "stl" => stl::parse(&bytes, &mut import),
         "off" => off::parse(&bytes, &mut import),
         "3mf" => threemf::parse(&bytes, &mut import),
+        BAKED => baked::parse(&bytes, &mut import),
         _ => gltf::parse(&bytes, &folder, &mut import),
     }?;
     import.finish()?;
-    let Import { mut mesh, source, mut notes, is_split, budget, .. } = import;
-    if let Weld::Within(_) = options.weld {
-        budget.check(JOINED.saturating_mul(mesh.positions.len()))?;
-    }
     match options.weld {
-        Weld::Split if is_split => mesh.weld(),
+        Weld::Split if import.is_split => import.mesh.weld(),
         Weld::Split | Weld::Never => {}
-        Weld::Within(distance) => notes.extend(joined(&mut mesh, distance)),
+        Weld::Within(distance) => {
+            import.budget.check(JOINED.saturating_mul(import.mesh.positions.len()))?;
+            let moved = import.mesh.weld_within(distance);
+            import.note("vertices that were joined with others nearby", moved);
+        }
     }
+    let Import { mesh, source, notes, .. } = import;
     Ok(Contents::Mesh(MeshFile { mesh, source, notes }))
+}
+
+/// The format that a file begins like, or else has by its options, its name or its first bytes.
+fn format(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<&'static str, Fault> {
+    let known = || FORMATS.join(", ");
+    let find = |name: &str| FORMATS.into_iter().find(|format| name == *format);
+    if bytes.starts_with(&MAGIC) {
+        return Ok(BAKED);
+    }
+    if let Some(name) = &options.format {
+        let unknown = || Fault::broken(format!("'{name}' is no format; known are {}", known()));
+        return find(name).ok_or_else(unknown);
+    }
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let told = extension.to_str().and_then(find).or_else(|| head::beginning(bytes));
+    told.ok_or_else(|| {
+        Fault::broken(format!("unknown format; known are {}", known())).or(Remedy::Format)
+    })
+}
+
+/// Reads what follows the first bytes of a file, and one byte more than there should be, if there is one.
+fn read_rest(
+    from: impl Read,
+    found: Option<u64>,
+    most: usize,
+    due: Option<u64>,
+    bytes: &mut Vec<u8>,
+) -> Result<(), Fault> {
+    let endless = || Fault::broken(format!("goes on after {most} bytes")).or(Remedy::Memory);
+    if found.or(due).is_some_and(|length| length > most as u64) {
+        return Err(endless());
+    }
+    if let Some(length) = found {
+        let rest = (length as usize).saturating_sub(bytes.len()) + 1;
+        bytes.try_reserve_exact(rest).map_err(|_| Fault::memory(most))?;
+    }
+    let length = due.unwrap_or(most as u64).saturating_add(1);
+    from.take(length.saturating_sub(bytes.len() as u64)).read_to_end(bytes)?;
+    if due.is_none() && bytes.len() > most { Err(endless()) } else { Ok(()) }
 }
 
 /// Bytes for each vertex that is joined with others nearby: a cell of its own with a list, at most.
 const JOINED: usize = 256;
-
-/// Joins vertices within a distance, and returns a note if that moves some.
-fn joined(mesh: &mut TriangleMesh, distance: f64) -> Option<String> {
-    let moved = mesh.weld_within(distance);
-    (moved > 0).then(|| format!("vertices that were joined with others nearby: {moved}"))
-}

@@ -12,7 +12,8 @@ pub struct Source {
     runs: Vec<(u32, u32)>,
     /// Whether coordinates are rounded to f32.
     pub(crate) in_f32: bool,
-    /// If they are, the number of those with more digits than the nearest f32 has.
+    /// If they are, the number of coordinates that are written with more digits than the nearest f32 has, or that the file
+    /// has or places in f64 where no f32 is.
     pub(crate) rounded: usize,
 }
 
@@ -30,6 +31,19 @@ pub fn name_apart<'n>(names: impl Iterator<Item = &'n mut String>) {
 }
 
 impl Source {
+    /// A position that the file does not write as decimals, in the precision that is asked for.
+    pub(crate) fn rounded(&mut self, position: [f64; 3]) -> [f64; 3] {
+        if !self.in_f32 {
+            return position;
+        }
+        position.map(|x| {
+            let nearest = f64::from(x as f32);
+            // NaN is no difference.
+            self.rounded += usize::from((nearest - x).abs() > 0.0);
+            nearest
+        })
+    }
+
     /// Begins a new body with the triangle that comes next, and returns its number.
     pub(crate) fn begin_body(&mut self, name: String, triangles: usize) -> u32 {
         let body = self.names.len() as u32;

@@ -8,7 +8,7 @@ use crate::budget::demand;
 use crate::error::{Fault, Remedy};
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
-use crate::text::{Line, lines, quote, without_padding};
+use crate::text::{Line, Words, lines, quote, without_padding};
 
 /// Header and count of a binary STL file, and each of its triangles.
 const HEADER: usize = 84;
@@ -71,10 +71,7 @@ pub(crate) fn parse(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     if after.len() >= TRIANGLE && !after.iter().all(is_padding) {
         return Err(other_length(n, bytes.len() as u64));
     }
-    if !after.is_empty() {
-        let over = after.len();
-        import.notes.push(format!("bytes after the last triangle are passed over: {over}"));
-    }
+    import.note("bytes after the last triangle are passed over", after.len());
     import.budget.check(demand(3 * n, n))?;
     for triangle in &triangles[..n] {
         let number =
@@ -102,32 +99,44 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
     let (mut is_open, mut facet_is_open, mut is_apart) = (false, false, false);
     for line in lines(bytes) {
         let mut words = line.words();
-        let mut keyword = line.word(words.next())?.to_ascii_lowercase();
-        if keyword == b"end" {
-            keyword.extend(words.next().unwrap_or_default().to_ascii_lowercase());
-            is_apart = true;
-        }
-        match &keyword[..] {
-            b"vertex" => {
-                let position = line.position(&mut words, &mut import.source)?;
-                corners.push((position, line.number));
-                import.budget.check_list(&corners, 1)?;
+        let mut is_first = true;
+        // Some files have several words of STL in a line, or all.
+        while let Some(word) = words.next() {
+            let mut keyword = word.to_ascii_lowercase();
+            if keyword == b"end" {
+                keyword.extend(words.next().unwrap_or_default().to_ascii_lowercase());
+                is_apart = true;
             }
-            b"endloop" => push_facet(&line, &mut corners, import)?,
-            b"solid" => {
-                is_open = true;
-                let name = words.collect::<Vec<_>>().join(&b' ');
-                let name = if name.is_empty() { b"solid" } else { &name[..] };
-                import.begin_body(String::from_utf8_lossy(name).into_owned())?;
+            match &keyword[..] {
+                b"vertex" => {
+                    let position = line.position(&mut words, &mut import.source)?;
+                    corners.push((position, line.number));
+                    import.budget.check_list(&corners, 1)?;
+                }
+                b"endloop" => push_facet(&line, &mut corners, import)?,
+                b"solid" => {
+                    is_open = true;
+                    let name = rest_of_name(&mut words).join(&b' ');
+                    let name = if name.is_empty() { b"solid" } else { &name[..] };
+                    import.begin_body(String::from_utf8_lossy(name).into_owned())?;
+                }
+                b"endsolid" => {
+                    is_open = false;
+                    rest_of_name(&mut words);
+                    if words.clone().next().is_some() {
+                        return Err(line.fault("a solid begins in the line where another ends"));
+                    }
+                }
+                b"facet" => facet_is_open = true,
+                b"endfacet" => facet_is_open = false,
+                b"outer" => {}
+                _ if !is_first => {}
+                _ => {
+                    let what = format!("{} is no word of STL", quote(&keyword));
+                    return Err(line.fault(what).or(Remedy::Format));
+                }
             }
-            b"facet" => facet_is_open = true,
-            b"endfacet" => facet_is_open = false,
-            b"outer" => {}
-            b"endsolid" => is_open = false,
-            _ => {
-                let what = format!("{} is no word of STL", quote(&keyword));
-                return Err(line.fault(what).or(Remedy::Format));
-            }
+            is_first = false;
         }
     }
     if facet_is_open || !corners.is_empty() {
@@ -141,6 +150,20 @@ fn text(bytes: &[u8], import: &mut Import) -> Result<(), Fault> {
         import.notes.push("the file ends before its last endsolid".to_owned());
     }
     Ok(())
+}
+
+/// The words up to the first facet, or to the end of the line.
+fn rest_of_name<'t>(words: &mut Words<'t>) -> Vec<&'t [u8]> {
+    let mut name = Vec::new();
+    loop {
+        let mut rest = *words;
+        let two =
+            [rest.next(), rest.next()].map(|word| word.unwrap_or_default().to_ascii_lowercase());
+        if two[0].is_empty() || two == [&b"facet"[..], b"normal"] {
+            return name;
+        }
+        name.extend(words.next());
+    }
 }
 
 fn push_facet(

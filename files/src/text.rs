@@ -14,16 +14,14 @@ pub(crate) struct Line<'t> {
 
 /// The lines of a file that have words. They end as in Unix or Windows, or in a file without `\n` as on
 /// old Macs.
-pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
-    const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> + Clone {
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     let lines = bytes.split(move |&b| b == end).zip(1..).map(|(line, number)| {
         // Within a word it is a part of a name.
         let begins =
             |&at: &usize| line[at] == b'#' && (at == 0 || line[at - 1].is_ascii_whitespace());
         let end = (0..line.len()).find(begins).unwrap_or(line.len());
-        Line { number, text: line[..end].trim_ascii() }
+        Line::new(number, &line[..end])
     });
     lines.filter(|line| !line.text.is_empty())
 }
@@ -34,15 +32,55 @@ pub(crate) fn without_padding(bytes: &[u8]) -> &[u8] {
     &bytes[..end]
 }
 
+/// Whether a file that begins so is text in UTF-16, and then whether the high byte of each unit comes first.
+pub(crate) fn utf16(head: &[u8]) -> Option<bool> {
+    match head {
+        [0xff, 0xfe, _, 0, ..] => Some(false),
+        [0xfe, 0xff, 0, _, ..] => Some(true),
+        _ => None,
+    }
+}
+
+/// The text of a file in UTF-16, without its mark.
+pub(crate) fn from_utf16(bytes: Vec<u8>, is_big: bool) -> Result<String, Fault> {
+    let (pairs, over) = bytes[2..].as_chunks();
+    let unit = |&pair: &[u8; 2]| match is_big {
+        true => u16::from_be_bytes(pair),
+        false => u16::from_le_bytes(pair),
+    };
+    let text: Result<String, _> = char::decode_utf16(pairs.iter().map(unit)).collect();
+    text.ok().filter(|_| over.is_empty()).ok_or_else(|| Fault::broken("it is no text of UTF-16"))
+}
+
 /// A word for an error text, on one line however long and strange it is.
 pub(crate) fn quote(word: &[u8]) -> String {
     let (shown, rest) = word.split_at(word.len().min(40));
     format!("'{}{}'", shown.escape_ascii(), if rest.is_empty() { "" } else { "…" })
 }
 
+/// The words of a line, or those that are left of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Words<'t>(&'t [u8]);
+
+impl<'t> Iterator for Words<'t> {
+    type Item = &'t [u8];
+
+    fn next(&mut self) -> Option<&'t [u8]> {
+        let text = self.0.trim_ascii_start();
+        let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+        let (word, rest) = text.split_at(end);
+        self.0 = rest;
+        (!word.is_empty()).then_some(word)
+    }
+}
+
 impl<'t> Line<'t> {
-    pub(crate) fn words(&self) -> impl Iterator<Item = &'t [u8]> + use<'t> {
-        self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    pub(crate) fn new(number: usize, text: &'t [u8]) -> Self {
+        Self { number, text: text.trim_ascii() }
+    }
+
+    pub(crate) fn words(&self) -> Words<'t> {
+        Words(self.text)
     }
 
     pub(crate) fn fault(&self, what: impl Into<String>) -> Fault {
@@ -86,22 +124,29 @@ impl<'t> Line<'t> {
 }
 
 /// The number nearest to what `word` says, if it is one; `source` tells in which precision, and notes what it loses.
-pub(crate) fn coordinate(word: &[u8], source: &mut Source) -> Option<f64> {
-    if parsed::<f64>(word).is_none() && is_nan(word) {
-        return Some(f64::NAN);
-    }
+fn coordinate(word: &[u8], source: &mut Source) -> Option<f64> {
     if !source.in_f32 {
-        return parsed(word);
+        return decimal(word);
     }
-    let nearest: f32 = parsed(word)?;
+    let nearest: f32 = decimal(word)?;
     source.rounded += usize::from(loses_digits(word, nearest));
     Some(nearest.into())
 }
 
-/// Whether a word is NaN as C libraries write it: `-nan(ind)`.
-fn is_nan(word: &[u8]) -> bool {
-    let word = word.strip_prefix(b"-").unwrap_or(word);
-    word.get(..4).is_some_and(|beginning| beginning.eq_ignore_ascii_case(b"nan("))
+/// The number that a word is, also if that is NaN or infinite, as C libraries write it.
+pub(crate) fn decimal<T: FromStr + From<f32>>(word: &[u8]) -> Option<T> {
+    parsed(word).or_else(|| not_finite(word).map(T::from))
+}
+
+/// NaN and infinity as `-nan(ind)`, `1.#QNAN` and `-1.#INF`.
+fn not_finite(word: &[u8]) -> Option<f32> {
+    let word = word.strip_prefix(b"-").unwrap_or(word).to_ascii_lowercase();
+    let begins = |words: &[&str]| words.iter().any(|begin| word.starts_with(begin.as_bytes()));
+    match word {
+        _ if begins(&["nan(", "1.#ind", "1.#qnan", "1.#snan"]) => Some(f32::NAN),
+        _ if begins(&["1.#inf"]) => Some(f32::INFINITY),
+        _ => None,
+    }
 }
 
 fn parsed<T: FromStr>(word: &[u8]) -> Option<T> {

@@ -7,9 +7,10 @@ use crate::budget::Budget;
 use crate::error::Fault;
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
-use crate::text::quote;
+use crate::text::{from_utf16, quote, utf16};
 use glam::{DMat4, DVec3};
 use quick_xml::events::{BytesStart, Event};
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::io::{Cursor, Read};
 use std::rc::Rc;
@@ -125,7 +126,13 @@ impl Package<'_> {
     /// The bytes of a part of the package.
     fn unpacked(&mut self, path: &str, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
         let fault = |what: String| Fault::broken(format!("{path}: {what}"));
-        let part = self.archive.by_name(path).map_err(|error| fault(error.to_string()))?;
+        // Names of parts are the same in capitals.
+        let is_named = |name: &Cow<'_, str>| name.eq_ignore_ascii_case(path);
+        let name = self.archive.file_names().flatten().find(is_named).map(String::from);
+        let part = self
+            .archive
+            .by_name(name.as_deref().unwrap_or(path))
+            .map_err(|error| fault(error.to_string()))?;
         let (packed, stated) = (part.compressed_size() as usize, part.size() as usize);
         let packed = packed.min(self.packed);
         self.packed -= packed;
@@ -136,7 +143,10 @@ impl Package<'_> {
         let most = budget.left().saturating_add(1) as u64;
         part.take(most).read_to_end(&mut bytes).map_err(|error| fault(error.to_string()))?;
         budget.take(bytes.len())?;
-        Ok(bytes)
+        match utf16(&bytes) {
+            Some(is_big) => Ok(from_utf16(bytes, is_big)?.into_bytes()),
+            None => Ok(bytes),
+        }
     }
 
     /// Reads a part, unless it is read already.
@@ -212,16 +222,10 @@ impl Package<'_> {
 /// Adds the triangles of an object, without those of its components.
 fn add(object: &Object, world: &DMat4, import: &mut Import) -> Result<(), Fault> {
     import.budget.take(PLACED)?;
-    let Import { mesh, budget, source, .. } = import;
     let TriangleMesh { positions, triangles } = &object.mesh;
-    budget.check_growth(mesh, positions.len(), triangles.len())?;
-    let first = mesh.positions.len() as u32;
-    let moves = *world != DMat4::IDENTITY;
-    mesh.positions.extend(positions.iter().map(|&p| {
-        let placed = if moves { world.transform_point3(DVec3::from(p)).to_array() } else { p };
-        if source.in_f32 { placed.map(|x| f64::from(x as f32)) } else { placed }
-    }));
-    mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
+    import.budget.check_growth(&import.mesh, positions.len(), triangles.len())?;
+    let first = import.push_placed(positions, world);
+    import.mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
     Ok(())
 }
 
@@ -250,17 +254,23 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
     let mut part = Part { path: path.to_owned(), ..Part::default() };
     let mut object = None;
     let mut lattices = 0;
+    // The prefix of the elements of the core specification, with its colon.
+    let mut prefix = String::new();
     while let Some(event) = xml.next()? {
         let (element, is_empty) = match event {
             Event::Start(element) => (element, false),
             Event::Empty(element) => (element, true),
-            Event::End(end) if end.name().as_ref() == "object" => {
+            Event::End(end) if end.name().as_ref().strip_prefix(&prefix[..]) == Some("object") => {
                 close(&mut part, &mut object, &mut import.budget)?;
                 continue;
             }
             _ => continue,
         };
-        match (element.name().as_ref(), &mut object) {
+        let name = element.name();
+        if element.local_name().as_ref() == "model" {
+            prefix = name.as_ref().trim_end_matches("model").to_owned();
+        }
+        match (name.as_ref().strip_prefix(&prefix[..]).unwrap_or_default(), &mut object) {
             ("model", _) => {
                 check_required(&xml, &element)?;
                 part.unit = xml.text(&element, "unit")?;
@@ -269,12 +279,11 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 return Err(xml.fault(format!("object {id} has another object in it")));
             }
             ("object", None) => {
-                let name = xml.text(&element, "name")?.filter(|name| !name.is_empty());
-                let name = match name {
-                    None => xml.text(&element, "partnumber")?.filter(|name| !name.is_empty()),
+                let name = match xml.text(&element, "name")? {
+                    None => xml.text(&element, "partnumber")?,
                     name => name,
                 };
-                let id = xml.number(&element, "id")?;
+                let id = xml.natural(&element, "id")?;
                 if part.objects.contains_key(&id) {
                     return Err(xml.fault(format!("there are two objects {id}")));
                 }
@@ -285,13 +294,13 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 }
             }
             ("vertex", Some((_, Object { mesh, .. }))) => {
-                mesh.positions.push(xml.position(&element, &mut import.source)?);
+                mesh.positions.push(xml.position(&element)?);
                 import.budget.check_growth(&import.mesh, mesh.positions.len(), 0)?;
             }
             ("triangle", Some((_, Object { mesh, .. }))) => {
                 let mut corners = [0; 3];
                 for (corner, name) in corners.iter_mut().zip(["v1", "v2", "v3"]) {
-                    *corner = xml.number(&element, name)?;
+                    *corner = xml.natural(&element, name)?;
                     let all = mesh.positions.len();
                     if *corner as usize >= all {
                         return Err(xml.fault(format!("there is no vertex {corner} among {all}")));
@@ -305,23 +314,19 @@ fn model(path: &str, bytes: &[u8], import: &mut Import) -> Result<Part, Fault> {
                 components.push(placed(&xml, &element, &mut import.budget)?);
             }
             ("item", None) => {
-                let name = xml.text(&element, "partnumber")?.filter(|name| !name.is_empty());
+                let name = xml.text(&element, "partnumber")?;
                 import.budget.take(name.as_ref().map_or(0, String::len))?;
                 let placed = placed(&xml, &element, &mut import.budget)?;
                 part.items.push(Item { placed, name });
             }
-            (name, Some(_)) if name.ends_with(":beamlattice") => {
-                lattices += 1;
-            }
+            (_, Some(_)) if element.local_name().as_ref() == "beamlattice" => lattices += 1,
             _ => {}
         }
     }
     if let Some((id, _)) = object {
         return Err(xml.fault(format!("object {id} has no end")));
     }
-    if lattices > 0 {
-        import.notes.push(format!("{path}: beam lattices are passed over: {lattices}"));
-    }
+    import.note(&format!("{path}: beam lattices are passed over"), lattices);
     Ok(part)
 }
 
@@ -369,5 +374,5 @@ fn placed(xml: &Xml<'_>, element: &BytesStart<'_>, budget: &mut Budget) -> Resul
     };
     let path = xml.path(element)?.map(|path| within_package(&path));
     budget.take(PLACED + path.as_ref().map_or(0, String::len))?;
-    Ok(Placed { path, object: xml.number(element, "objectid")?, transform })
+    Ok(Placed { path, object: xml.natural(element, "objectid")?, transform })
 }

@@ -8,8 +8,10 @@
 //! with an area. A face that has no ear, as it crosses itself or has no area, becomes a fan.
 
 mod blockers;
+mod flip;
 
 use blockers::{Blockers, Point, area};
+use flip::lower_valence;
 
 /// Bytes for each corner of the face that is triangulated, at most.
 pub(crate) const SCRATCH: usize = 160;
@@ -31,11 +33,17 @@ pub(crate) fn triangulate(corners: &[u32], positions: &[[f64; 3]], fan: &mut [[u
         edges.all(|edge| area(points[0], edge[0], edge[1]) > 0.0)
             && area(points[0], points[1], points[last]) > 0.0
     };
-    if points.len() > SMALL || !is_fan() {
-        Ring::new(&points).triangulate(corners, fan)
-    } else {
-        true
+    if points.len() <= SMALL && is_fan() {
+        return true;
     }
+    let is_whole = Ring::new(&points).triangulate(fan);
+    if is_whole {
+        lower_valence(fan, &points);
+    }
+    for corner in fan.as_flattened_mut() {
+        *corner = corners[*corner as usize];
+    }
+    is_whole
 }
 
 /// The corners of a face in the plane, turning left; `None` if the face has no area or a corner is no point.
@@ -91,14 +99,22 @@ impl<'p> Ring<'p> {
         ring
     }
 
-    fn triangulate(mut self, corners: &[u32], triangles: &mut [[u32; 3]]) -> bool {
+    fn triangulate(mut self, triangles: &mut [[u32; 3]]) -> bool {
         let mut triangles = triangles.iter_mut();
-        let mut put = |triangle: [u32; 3]| {
+        let mut put = |triangle| {
             if let Some(place) = triangles.next() {
-                *place = triangle.map(|corner| corners[corner as usize]);
+                *place = triangle;
             }
         };
         let n = self.points.len();
+        // A corner at the place of the next has a triangle without an area, and is no hindrance to others.
+        for corner in 0..n as u32 {
+            if self.left > 3 && self.point(corner) == self.point(self.next(corner)) {
+                self.blockers.remove(corner);
+                let [p, q] = self.clip(corner);
+                put([p, corner, q]);
+            }
+        }
         let mut tried = 0;
         // With strips of as many triangles, about three rounds are enough.
         let strip = (n as f64).cbrt() as usize;

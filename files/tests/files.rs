@@ -154,9 +154,12 @@ fn faults_of_ply() {
     assert!(fault("a.ply", ply.replace("float z", "float w")).contains("no z"));
     assert!(fault("b.ply", ply.replace("vertex_indices", "corners")).contains("no vertex_indices"));
     assert!(fault("c.ply", ply.replace("4 2 1 3 0", "2 2 1")).contains("no triangle"));
-    assert!(fault("d.ply", ply.replace("4 2 1 3 0", "4 2 1 3 -1")).contains("line 20: '-1'"));
+    assert!(
+        fault("d.ply", ply.replace("4 2 1 3 0", "4 2 1 3 -1"))
+            .contains("line 20: face 0: -1 is no index")
+    );
     assert!(fault("f.ply", ply.replace("\n7 7 7 1", "")).contains("the file ends in face 0 of 1"));
-    assert!(fault("g.ply", ply.replace("element note", "elephant note")).contains("line 4"));
+    assert!(fault("g.ply", ply.replace("element note", "elephant note")).contains("line 5"));
     assert!(fault("h.ply", ply.replace("float confidence", "float x")).contains("the same name"));
     let strips = ply.replace("element note", "element tristrips");
     assert!(fault("i.ply", strips).contains("tristrips has no vertex_indices"));
@@ -164,7 +167,7 @@ fn faults_of_ply() {
     let face = format!("byte {}: ", end - 17);
     assert!(fault("j.ply", &little[..end - 1]).contains(&format!("{face}the file ends in face 0")));
     let negative = [&little[..end - 1], &[0xff]].concat();
-    assert!(fault("k.ply", negative).contains(&format!("{face}the indices of face 0")));
+    assert!(fault("k.ply", negative).contains(&format!("{face}face 0: -16777216 is no index")));
     assert!(
         fault("e.ply", ply.replace("element note 1", "element none 4000000000\nelement note 1"))
             .contains("none")
@@ -314,7 +317,13 @@ fn a_file_without_triangles_is_refused() {
             ", line 1: 'version' is no statement of OBJ",
             Some(Remedy::Format),
         ),
-        ("cloud.obj", b"v 0 0 0\nvn 1 0 0\n", ": there is no triangle in it", Some(Remedy::Format)),
+        (
+            "cloud.obj",
+            b"v 0 0 0\nvn 1 0 0\np 1\n",
+            ": there is no triangle in it, but vertices: 1; \
+             points, lines, surfaces and other files are passed over: 1, the first is 'p' in line 3",
+            Some(Remedy::Format),
+        ),
         ("empty.off", b"OFF\n0 0 0\n", ": there is no triangle in it", Some(Remedy::Format)),
         ("empty.obj", b"", ": is empty", None),
     ] {

@@ -7,8 +7,8 @@ use crate::listing::{FileRow, Found, Hit, Kind, Origin};
 use crate::progress::shown;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use pfront::{Model, Pose, SceneHit, SceneQuery};
-use pfront_files::escape::escaped;
-use pfront_files::{Contents, MeshFile, Source, name_apart};
+use pfront_files::escape::{escaped, shown_path};
+use pfront_files::{Contents, MeshFile, Source, TriangleMesh, name_apart};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use wildmatch::WildMatch;
@@ -32,10 +32,12 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
     let mut scene = SceneQuery::new().on(&executor.open()?);
     let (mut parts, mut sources) = (Vec::new(), Vec::new());
+    // Bodies that are near each other stay apart.
+    let (of_files, distance) = reading.bodies_apart();
     for path in meshes {
-        let loaded = shown(format!("reading {}", path.display()), || read(path, reading))?;
+        let loaded = shown(format!("reading {}", path.display()), || read(path, &of_files))?;
         let name = body_name(path, meshes);
-        sources.push(split(loaded, path, name, sources.len(), &mut parts)?);
+        sources.push(split(loaded, path, name, sources.len(), distance, &mut parts)?);
     }
     name_apart(parts.iter_mut().map(|part| &mut part.name));
     if let [only] = &parts[..] {
@@ -161,12 +163,13 @@ fn body_name(path: &Path, files: &[PathBuf]) -> String {
     name.unwrap_or(path).display().to_string()
 }
 
-/// Adds the bodies of a file, which has the name if it is one body.
+/// Adds the bodies of a file, which has the name if it is one body; vertices of a body within a distance become one.
 fn split(
     loaded: Contents,
     path: &Path,
     name: String,
     file: usize,
+    distance: Option<f64>,
     parts: &mut Vec<Part>,
 ) -> Result<Source> {
     let (mesh, source) = match loaded {
@@ -176,14 +179,22 @@ fn split(
         }
         Contents::Mesh(MeshFile { mesh, source, .. }) => (mesh, source),
     };
+    let mut push = |name: String, mut mesh: TriangleMesh, triangles| {
+        let joined = distance.map_or(0, |distance| mesh.weld_within(distance));
+        if joined > 0 {
+            let body = format!("{}: {}", shown_path(path), escaped(&name));
+            eprintln!("{body}: vertices that were joined with others nearby: {joined}");
+        }
+        parts.push(Part { name, model: built(mesh, path)?, file, triangles });
+        anyhow::Ok(())
+    };
     let bodies = source.bodies();
     if bodies.len() < 2 {
-        parts.push(Part { name, model: built(mesh, path)?, file, triangles: None });
+        push(name, mesh, None)?;
         return Ok(source);
     }
     for (name, triangles) in bodies.iter().zip(source.triangles(mesh.triangles.len())) {
-        let model = built(mesh.part(&triangles), path)?;
-        parts.push(Part { name: name.clone(), model, file, triangles: Some(triangles) });
+        push(name.clone(), mesh.part(&triangles), Some(triangles))?;
     }
     Ok(source)
 }

@@ -79,8 +79,11 @@ fn digits_that_are_lost_are_counted() {
     fs::write(at.join("double.ply"), [double.as_bytes(), &numbers, &[3, 0, 1, 2]].concat())
         .unwrap();
     out(at, "self double.ply");
-    let told = String::from_utf8(pfront(at, "self double.ply --f32").stderr).unwrap();
-    assert!(told.contains("2 of 9"), "{told}");
+    out(at, "bake double.ply");
+    for file in ["double.ply", "double.pfb"] {
+        let told = String::from_utf8(pfront(at, &format!("self {file} --f32")).stderr).unwrap();
+        assert!(told.contains("2 of 9"), "{told}");
+    }
 }
 
 /// A floor of squares of a metre somewhere on earth, and a blade that ends a micrometre above or below it.
@@ -242,5 +245,6 @@ fn an_answer_that_does_not_fit_is_an_error() {
             "{error}"
         );
     }
-    assert_eq!(out(at, "self face.obj --memory 48 --csv").lines().count(), 1_993_007);
+    let rows = String::from_utf8(pfront(at, "self face.obj --memory 48 --csv").stdout).unwrap();
+    assert_eq!(rows.lines().count(), 1_993_007);
 }

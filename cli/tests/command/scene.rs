@@ -55,9 +55,12 @@ fn nodes_are_bodies() {
         (red, pfront_files::read_f32(&at.join("room.ply")).unwrap().triangles.len()),
         (6, 3)
     );
-    for backend in ["gpu --f32", "cpu --threads 2"] {
-        assert_eq!(out(at, &format!("scene room.gltf --csv --backend {backend}")), csv);
-    }
+    assert_eq!(out(at, "scene room.gltf --csv --backend cpu --threads 2"), csv);
+    // The wall is turned, and then rounded.
+    let run = super::pfront(at, "scene room.gltf --csv --backend gpu --f32");
+    assert_eq!(String::from_utf8(run.stdout).unwrap(), csv);
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.contains("room.gltf: 3 of 27 coordinates were rounded to f32"), "{told}");
     let error = refused(at, "scene room.gltf --ignore Door Floor");
     assert!(error.contains("no body Floor") && error.contains("Door (2)"), "{error}");
     refused(at, "scene");
@@ -118,6 +121,19 @@ fn objects_of_one_file_are_bodies() {
     assert_eq!(out(at, "self both.obj --csv"), "a,b\n0,4\n3,4\n");
     let source = out(at, "scene both.obj --csv --source");
     assert_eq!(source.lines().nth(2), Some("cone,blade,3,0,3,4"));
+}
+
+#[test]
+fn welding_joins_no_bodies() {
+    let folder = folder();
+    let at = folder.path();
+    let near = "o left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1e-7 0\nv 1 1e-7 0\nf 1 2 3\nf 4 5 3\n\
+        o right\nv -1e-7 0 0\nv -1 0 0\nv -1e-7 1 0\nf 6 7 8\n";
+    fs::write(at.join("near.obj"), near).unwrap();
+    let run = super::pfront(at, "scene near.obj --csv --weld 1e-6");
+    assert_eq!(run.stdout, b"body_a,body_b,a,b\n");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(told, "near.obj: left: vertices that were joined with others nearby: 2\n");
 }
 
 #[test]

@@ -5,14 +5,19 @@ use crate::budget::Budget;
 use crate::error::Fault;
 use crate::escape::shown_path;
 use crate::folder::Folder;
+use crate::format::FIRST_VERSION;
 use crate::import::Import;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use gltf::accessor::Accessor;
+use gltf::binary::Glb;
 use gltf::buffer::{Buffer, Source};
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::validation::Checked;
+use gltf::json::{Index, Root, Value, deserialize};
 use gltf::{Document, Gltf, Semantic};
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -22,21 +27,16 @@ const OBJECT: usize = 512;
 
 /// A document and the buffer within its file.
 pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault> {
-    let Import { budget, notes, .. } = import;
-    // A binary file has text from its byte 20 on, of the length that bytes 12 to 15 tell.
-    let text = match *bytes {
-        [b'g', b'l', b'T', b'F', _, _, _, _, _, _, _, _, a, b, c, d, _, _, _, _, ref rest @ ..] => {
-            let length = u32::from_le_bytes([a, b, c, d]) as usize;
-            &rest[..length.min(rest.len())]
-        }
-        _ => bytes,
+    let glb = match bytes.starts_with(b"glTF") {
+        true => Some(Glb::from_slice(bytes).map_err(|e| Fault::broken(e.to_string()))?),
+        false => None,
     };
-    budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
+    let text = import.text(glb.as_ref().map_or(bytes, |glb| &glb.json));
+    import.budget.check(OBJECT * text.iter().filter(|&&b| b == b'{').count())?;
     // Its strings and its binary chunk are copied.
-    budget.take(bytes.len())?;
-    let broken = |e: gltf::Error| Fault::broken(e.to_string());
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(broken)?;
-    let mut root = document.into_json();
+    import.budget.take(bytes.len())?;
+    let mut root = root(text, &mut import.notes)?;
+    let notes = &mut import.notes;
     for extension in std::mem::take(&mut root.extensions_required) {
         let is = |names: &[&str]| names.iter().any(|name| extension.starts_with(name));
         if is(&HARMLESS) {
@@ -46,10 +46,10 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
             return Err(Fault::broken(what));
         }
     }
+    keep_geometry(&mut root);
     let mut has_bounds = true;
     let (accessors, count) = (&mut root.accessors, 3);
     for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
-        primitive.material = None;
         let mut used = primitive.attributes.values();
         if let Some(stray) = used.find(|accessor| accessor.value() >= accessors.len()) {
             return Err(Fault::broken(format!("there is no accessor {}", stray.value())));
@@ -73,29 +73,109 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
     if !has_bounds {
         notes.push("POSITION has no min and max".to_owned());
     }
-    // Only geometry is checked.
-    root.nodes.iter_mut().for_each(|node| node.camera = None);
+    let document = Document::from_json(root).map_err(|e| Fault::broken(e.to_string()))?;
+    Ok(Gltf { document, blob: glb.and_then(|glb| glb.bin).map(Cow::into_owned) })
+}
+
+/// Lists of a document that hold no geometry.
+const OTHERS: [&str; 6] = ["animations", "cameras", "images", "materials", "samplers", "textures"];
+
+/// Reads the text of a document, without what is broken in it and no geometry.
+fn root(text: &[u8], notes: &mut Vec<String>) -> Result<Root, Fault> {
+    deserialize::from_slice(text).or_else(|error| {
+        let broken = Fault::broken(error.to_string());
+        let json = deserialize::from_slice::<Value>(text);
+        let Ok(Value::Object(mut json)) = json else { return Err(broken) };
+        if json.get("meshes").is_some_and(Value::is_object) {
+            return Err(Fault::broken(FIRST_VERSION));
+        }
+        // The specification lets a scene have none, and `gltf` does not.
+        let scenes = json.get_mut("scenes").and_then(Value::as_array_mut);
+        for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+            scene.entry("nodes").or_insert(Value::Array(Vec::new()));
+        }
+        deserialize::from_value(Value::Object(json.clone())).or_else(|_| {
+            OTHERS.iter().for_each(|list| drop(json.remove(*list)));
+            json.insert("asset".to_owned(), Value::from_iter([("version", "2.0")]));
+            notes.push(format!("passed over, as it is no geometry: {error}"));
+            deserialize::from_value(Value::Object(json)).map_err(|_| broken)
+        })
+    })
+}
+
+/// Leaves out all that is no geometry: it may be as it likes.
+fn keep_geometry(root: &mut Root) {
+    let mut used = HashSet::new();
+    for primitive in root.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.material = None;
+        primitive.attributes.retain(|semantic, _| {
+            use Semantic::{Joints, Positions, Weights};
+            matches!(semantic, Checked::Valid(Positions | Joints(_) | Weights(_)))
+        });
+        used.extend(primitive.attributes.values().map(Index::value));
+        used.extend(primitive.indices.as_ref().map(Index::value));
+        for target in primitive.targets.iter_mut().flatten() {
+            (target.normals, target.tangents) = (None, None);
+            used.extend(target.positions.as_ref().map(Index::value));
+        }
+    }
+    used.extend(root.skins.iter().filter_map(|skin| Some(skin.inverse_bind_matrices?.value())));
+    for node in &mut root.nodes {
+        node.camera = None;
+        let others = node.extensions.as_ref().map(|extensions| &extensions.others);
+        let instancing =
+            others.and_then(|others| others.get(INSTANCING)?["attributes"].as_object());
+        let accessors = instancing.into_iter().flat_map(|attributes| attributes.values());
+        used.extend(accessors.filter_map(|accessor| Some(accessor.as_u64()? as usize)));
+    }
+    for (number, accessor) in root.accessors.iter_mut().enumerate() {
+        if !used.contains(&number) {
+            accessor.component_type = Checked::Valid(GenericComponentType(ComponentType::F32));
+            accessor.type_ = Checked::Valid(Type::Scalar);
+            // The first view, if there is one, is as good as any.
+            accessor.buffer_view = root.buffer_views.first().map(|_| Index::new(0));
+            (accessor.sparse, accessor.min, accessor.max) = (None, None, None);
+        }
+    }
+    root.buffer_views.iter_mut().for_each(|view| view.target = None);
     root.materials.clear();
     root.textures.clear();
     root.images.clear();
     root.samplers.clear();
     root.animations.clear();
     root.cameras.clear();
-    Ok(Gltf { document: Document::from_json(root).map_err(broken)?, blob })
 }
 
 fn compressed(extension: &str) -> Fault {
     Fault::broken(format!("is compressed with {extension}, which is not read"))
 }
 
+/// Places a mesh many times.
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 const DRACO: &str = "KHR_draco_mesh_compression";
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extensions of what is read.
-const READ: [&str; 2] = ["KHR_mesh_quantization", "EXT_mesh_gpu_instancing"];
+const READ: [&str; 2] = ["KHR_mesh_quantization", INSTANCING];
 
 /// Beginnings of the names of extensions that leave geometry alone.
-const HARMLESS: [&str; 15] = [
+const HARMLESS: [&str; 30] = [
+    "KHR_technique",
+    "KHR_node_",
+    "KHR_physics_",
+    "KHR_interactivity",
+    "KHR_environment_map",
+    "ADOBE_materials_",
+    "AGI_",
+    "CESIUM_primitive_outline",
+    "EXT_mesh_manifold",
+    "FB_geometry_metadata",
+    "GRIFFEL_bim_data",
+    "MSFT_lod",
+    "MSFT_packing_",
+    "NV_materials_",
+    "OMI_",
+    "VRM",
     "KHR_materials_",
     "KHR_texture_",
     "EXT_texture_",
@@ -110,7 +190,6 @@ const HARMLESS: [&str; 15] = [
     "EXT_instance_features",
     "EXT_structural_metadata",
     "EXT_feature_metadata",
-    "VRMC_",
 ];
 
 /// The bytes of all buffers, those of one file once.

@@ -1,17 +1,15 @@
 //! The pose of a node in the file: instances, morph targets and skins.
 
 use super::accessor;
-use super::checked::Buffers;
+use super::checked::{Buffers, INSTANCING};
 use crate::budget::Budget;
 use crate::error::Fault;
-use glam::{DMat4, DQuat, DVec3, DVec4};
+use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::Accessor;
 use gltf::mesh::Semantic;
 use gltf::{Document, Node, Primitive};
 use std::collections::HashMap;
 use std::rc::Rc;
-
-const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// The weights of morph targets, and the matrices of joints: world from mesh.
 pub(super) struct Pose {
@@ -206,13 +204,20 @@ pub(super) fn instances(
         list.as_ref().map_or(default, |list| DVec3::from(list[i]))
     };
     let matrix = |i: usize| {
-        let rotation = rotation.as_ref().map_or(DQuat::IDENTITY, |list| {
-            let [x, y, z, w] = list[i];
-            DQuat::from_vec4(DVec4::new(x, y, z, w)).normalize()
-        });
+        let rotation =
+            rotation.as_ref().map_or(Ok(DQuat::IDENTITY), |list| self::rotation(list[i]))?;
         let [scale, translation] =
             [three(&scale, i, DVec3::ONE), three(&translation, i, DVec3::ZERO)];
-        DMat4::from_scale_rotation_translation(scale, rotation, translation)
+        Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
     };
-    Ok((0..count).map(matrix).collect())
+    (0..count).map(matrix).collect()
+}
+
+/// The rotation of a quaternion, which need not have length 1.
+pub(super) fn rotation(quaternion: [f64; 4]) -> Result<DQuat, Fault> {
+    let quaternion = DQuat::from_array(quaternion);
+    if quaternion.length_squared() == 0.0 {
+        return Err(Fault::broken("a rotation is a quaternion of length 0"));
+    }
+    Ok(quaternion.normalize())
 }

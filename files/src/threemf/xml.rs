@@ -1,12 +1,11 @@
 //! The XML of the parts of a package.
 
 use crate::error::Fault;
-use crate::source::Source;
-use crate::text::coordinate;
+use crate::text::decimal;
 use quick_xml::Reader;
+use quick_xml::events::attributes::Attribute;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::HashMap;
-use std::str::FromStr;
 
 /// The XML of a part.
 pub(super) struct Xml<'x> {
@@ -28,68 +27,68 @@ impl<'x> Xml<'x> {
         }
     }
 
-    /// The line of the file that is being read.
-    fn line(&self) -> usize {
-        let read = self.bytes.get(..self.reader.buffer_position() as usize);
-        1 + read.unwrap_or_default().iter().filter(|&&byte| byte == b'\n').count()
-    }
-
+    /// A fault in the line that is being read.
     pub(super) fn fault(&self, what: impl std::fmt::Display) -> Fault {
-        Fault::line(self.line(), format!("{what} (in {})", self.path))
+        let read = self.bytes.get(..self.reader.buffer_position() as usize).unwrap_or_default();
+        let line = 1 + read.iter().filter(|&&byte| byte == b'\n').count();
+        Fault::line(line, format!("{what} (in {})", self.path))
     }
 
-    /// An attribute, with its entities resolved.
+    fn attributes<'e>(
+        &self,
+        element: &'e BytesStart<'_>,
+    ) -> impl Iterator<Item = Result<Attribute<'e>, Fault>> {
+        let mut attributes = element.attributes();
+        attributes.with_checks(false);
+        attributes.map(|attribute| attribute.map_err(|error| self.fault(error)))
+    }
+
+    /// An attribute, as it is written.
+    fn raw<'e>(
+        &self,
+        element: &'e BytesStart<'_>,
+        name: &str,
+    ) -> Result<Option<Attribute<'e>>, Fault> {
+        let is_other = |attribute: &Attribute<'_>| attribute.key.as_ref() != name;
+        self.attributes(element).find(|found| !found.as_ref().is_ok_and(is_other)).transpose()
+    }
+
+    /// The value of an attribute, with its entities resolved.
+    fn unescaped(&self, attribute: &Attribute<'_>) -> Result<String, Fault> {
+        let text = quick_xml::escape::unescape(&attribute.value);
+        text.map(Into::into).map_err(|error| self.fault(error))
+    }
+
+    /// An attribute, unless it is empty.
     pub(super) fn text(
         &self,
         element: &BytesStart<'_>,
         name: &str,
     ) -> Result<Option<String>, Fault> {
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            if attribute.key.as_ref() == name {
-                let text = quick_xml::escape::unescape(&attribute.value);
-                let text = text.map_err(|error| self.fault(error))?;
-                return Ok(Some(text.into_owned()));
-            }
-        }
-        Ok(None)
+        let attribute = self.raw(element, name)?.filter(|attribute| !attribute.value.is_empty());
+        attribute.map(|attribute| self.unescaped(&attribute)).transpose()
     }
 
-    /// An attribute that has to be there.
-    pub(super) fn number<T: FromStr>(
+    /// The number in an attribute that has to be there.
+    fn number<T>(
         &self,
         element: &BytesStart<'_>,
         name: &str,
+        parse: impl Fn(&str) -> Option<T>,
     ) -> Result<T, Fault> {
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            if attribute.key.as_ref() == name {
-                let number = attribute.value.trim().parse().ok();
-                return number.ok_or_else(|| self.fault(format!("{name} is no number")));
-            }
-        }
-        Err(self.fault(format!("{name} is missing")))
+        let attribute = self.raw(element, name)?;
+        let attribute = attribute.ok_or_else(|| self.fault(format!("{name} is missing")))?;
+        let number = parse(attribute.value.trim());
+        number.ok_or_else(|| self.fault(format!("{name} is not the number it should be")))
     }
 
-    pub(super) fn position(
-        &self,
-        element: &BytesStart<'_>,
-        source: &mut Source,
-    ) -> Result<[f64; 3], Fault> {
-        let mut position = [None; 3];
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            let axis = ["x", "y", "z"].iter().position(|axis| attribute.key.as_ref() == *axis);
-            if let Some(axis) = axis {
-                let number = coordinate(attribute.value.trim().as_bytes(), source);
-                position[axis] =
-                    Some(number.ok_or_else(|| self.fault("a coordinate is no number"))?);
-            }
-        }
-        let [Some(x), Some(y), Some(z)] = position else {
-            return Err(self.fault("a vertex without x, y or z"));
-        };
-        Ok([x, y, z])
+    pub(super) fn natural(&self, element: &BytesStart<'_>, name: &str) -> Result<u32, Fault> {
+        self.number(element, name, |text| text.parse().ok())
+    }
+
+    pub(super) fn position(&self, element: &BytesStart<'_>) -> Result<[f64; 3], Fault> {
+        let axis = |name| self.number(element, name, |text| decimal(text.as_bytes()));
+        Ok([axis("x")?, axis("y")?, axis("z")?])
     }
 
     /// The namespaces that an element declares, by their prefixes.
@@ -98,12 +97,10 @@ impl<'x> Xml<'x> {
         element: &BytesStart<'_>,
     ) -> Result<HashMap<String, String>, Fault> {
         let mut all = HashMap::new();
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
+        for attribute in self.attributes(element) {
+            let attribute = attribute?;
             if let Some(prefix) = attribute.key.as_ref().strip_prefix("xmlns:") {
-                let text = quick_xml::escape::unescape(&attribute.value);
-                let text = text.map_err(|error| self.fault(error))?;
-                all.insert(prefix.to_owned(), text.into_owned());
+                all.insert(prefix.to_owned(), self.unescaped(&attribute)?);
             }
         }
         Ok(all)
@@ -112,14 +109,11 @@ impl<'x> Xml<'x> {
     /// The attribute `path` of the production extension, whatever prefix that has.
     pub(super) fn path(&self, element: &BytesStart<'_>) -> Result<Option<String>, Fault> {
         let mut path = None;
-        for attribute in element.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(error))?;
-            if attribute.key.local_name().as_ref() == "path" {
-                let text = quick_xml::escape::unescape(&attribute.value);
-                let text = text.map_err(|error| self.fault(error))?;
-                if path.replace(text.into_owned()).is_some() {
-                    return Err(self.fault("two attributes are a path"));
-                }
+        for attribute in self.attributes(element) {
+            let attribute = attribute?;
+            let is_path = attribute.key.local_name().as_ref() == "path";
+            if is_path && path.replace(self.unescaped(&attribute)?).is_some() {
+                return Err(self.fault("two attributes are a path"));
             }
         }
         Ok(path)

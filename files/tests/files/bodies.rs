@@ -253,7 +253,7 @@ fn a_3mf_of_several_parts() {
     for (from, to, what) in [
         ("production/2015/06", "beamlattice/2017/02", "line 2: requires the extension p"),
         ("v3=\"2\"", "v3=\"3\"", "no vertex 3 among 3"),
-        ("x=\"0\"", "x=\"\"", "line 2: a coordinate is no number (in 3D/start.model)"),
+        ("x=\"0\"", "x=\"\"", "line 2: x is not the number it should be (in 3D/start.model)"),
         ("<component objectid=\"1\"", "<component objectid=\"2\"", "components of itself"),
         ("objectid=\"7\"", "objectid=\"8\"", "there is no object 8"),
         ("/3D/other.model", "/3D/no.model", "3D/no.model"),

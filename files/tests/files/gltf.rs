@@ -115,15 +115,24 @@ fn joints_are_whole_numbers() {
 
 #[test]
 fn what_is_left_out_is_noted() {
-    let two = r#""scenes":[{"nodes":[0,1]},{"nodes":[0]}],"scene":0,"#;
-    let rest = meshes("", "");
     let text = String::from_utf8(super::samples::gltf()).unwrap();
-    let scene = r#""scene":0,"scenes":[{"nodes":[0,1]}],"#;
+    let scene = r#""scenes":[{"nodes":[0,1]}],"#;
     assert!(text.contains(scene));
-    let file = read("gltf", text.replace(scene, two)).unwrap();
-    assert_eq!(file.notes, ["scenes beside the default one are passed over: 1"]);
-    assert_eq!(file.mesh, read("gltf", text).unwrap().mesh);
-
+    for (scenes, notes, triangles) in [
+        (r#""scenes":[{"nodes":[0,1]},{"nodes":[0]}],"#, &[][..], 3),
+        (
+            r#""scenes":[{"nodes":[0]},{"nodes":[0,1]}],"#,
+            &["nodes with a mesh outside of the scene are passed over: 1"],
+            1,
+        ),
+    ] {
+        let file = read("gltf", text.replace(scene, scenes)).unwrap();
+        assert_eq!(
+            (&file.notes[..], file.mesh.triangles.len()),
+            (&notes.iter().map(|note| note.to_string()).collect::<Vec<_>>()[..], triangles)
+        );
+    }
+    let rest = meshes("", "");
     let nowhere = rest.replace(r#"{"POSITION":1}"#, r#"{"NORMAL":1}"#);
     let error = read("glb", gltf(NODES, &nowhere, &[])).unwrap_err();
     assert!(error.contains("POSITION"), "{error}");

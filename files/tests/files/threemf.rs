@@ -84,6 +84,36 @@ fn the_production_extension_has_any_prefix() {
 }
 
 #[test]
+fn packages_are_read_as_programs_write_them() {
+    let good = read("3mf", three_mf()).unwrap();
+    let [x, y, z] = [2.0, 0.0, 5.0];
+    let moved = PIN.map(|p| [p[0] - x, p[1] - y, p[2] - z]);
+    let resources = object(1, "plate", PLATE) + &object(2, "pin", moved);
+    let items = format!("{ITEM}<item objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 {x} {y} {z}\"/>");
+    let text = model("", &resources, &items);
+    // As Python writes namespaces.
+    let prefixed = text.replace("</", "</@").replace('<', "<n:").replace("<n:/@", "</n:");
+    let prefixed = prefixed.replace("<n:?", "<?").replace("xmlns=", "xmlns:n=");
+    for (name, text) in [
+        (START, prefixed),
+        (START, format!("\u{feff}{text}")),
+        ("3D/3DModel.model", text.clone()),
+        (START, text.replace("<resources>", "<resources><!-- <object id=\"1\"/> -->")),
+    ] {
+        let file = read("3mf", archive(&[(name, &text)])).unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(
+            (&file.mesh, file.source.bodies()),
+            (&good.mesh, good.source.bodies()),
+            "{text}"
+        );
+    }
+    // Elements of another namespace are none of the core.
+    let other =
+        text.replace("<triangle v1", "<t:triangle v1=\"0\" v2=\"0\" v3=\"0\"/><triangle v1");
+    assert_eq!(read("3mf", archive(&[(START, &other)])).unwrap().mesh, good.mesh);
+}
+
+#[test]
 fn units_are_noted_and_not_mixed() {
     let start = |unit: &str, item: &str| {
         model("", &object(1, "plate", PLATE), item)
