@@ -89,7 +89,7 @@ impl Mirror {
     }
 
     /// Makes it that of a model: uploads it, or its positions if it is the same mesh that has moved. A mesh counts as rigid, and is
-    /// shared with whoever asks about it, until it has moved once.
+    /// shared with whoever asks about it, until it has moved once; one without a fitted BVH has a tree of the device's own.
     fn bring(
         own: &mut Option<Hidden<Self>>,
         device: &Device,
@@ -122,7 +122,8 @@ impl Mirror {
             _ => {}
         }
         // A device has the shadow of a mesh in f64 alone, which moves on the CPU.
-        let model = match same_mesh && !model.is_f64() {
+        let moves = same_mesh || !model.is_fitted();
+        let model = match moves && !model.is_f64() {
             true => {
                 let options = BuildOptions { leaf_size: Deforming::LEAF_SIZE, join: None };
                 Mirrored::Moving(Box::new(Deforming::build(&device.gpu, model.mesh(), &options)?))
