@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 fn pools() -> impl Iterator<Item = Pool> {
-    let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+    let schedules = [Schedule::Static, Schedule::Hybrid];
     [1, 3, 64].into_iter().flat_map(move |workers| {
         schedules.map(|schedule| {
             let settings = Settings { schedule, ..Settings::default() };
