@@ -1,10 +1,9 @@
 //! One frame: alone for a while if that may do, and then divided by a front.
 
-use crate::control::{Control, SLICE, tests};
+use crate::control::{Control, SLICE};
 use crate::front::Start;
 use crate::memory::{push, reserve, resize};
 use crate::output::Output;
-use crate::report::sum;
 use crate::workers::DividedFrame;
 use crate::{MemoryError, Report, Schedule, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
@@ -172,14 +171,14 @@ impl Traversal {
             }
             let mut cursor = Cursor::at(root);
             while !cursor.is_done() && !is_enough && !control.is_over() {
-                let next = if self.pool.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
+                let next = if self.pool.p() == 1 { u64::MAX } else { cursor.work.tests() + STEP };
                 control.traverse(query, number, &mut cursor, output, next, &|| false);
-                let done = sum(work, cursor.work);
-                if self.pool.p() > 1 && tests(done) >= STEP {
+                let done = work + cursor.work;
+                if self.pool.p() > 1 && done.tests() >= STEP {
                     let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
                     is_enough = match alone {
                         Some(alone) => clock.elapsed().as_secs_f64() >= alone,
-                        None => tests(done) >= ALONE,
+                        None => done.tests() >= ALONE,
                     };
                 }
             }
@@ -188,7 +187,7 @@ impl Traversal {
             self.starts.extend(left);
             // The cursor is left with at most one leaf pair, which is visited to its end.
             control.traverse(query, number, &mut cursor, output, u64::MAX, &|| false);
-            work = sum(work, cursor.work);
+            work = work + cursor.work;
         }
         self.report.alone = work;
         if let Some((clock, before)) = clock {

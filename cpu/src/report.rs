@@ -2,6 +2,7 @@
 
 use pfront_core::bvtt::Work;
 use pfront_core::front::FrontReport;
+use std::ops::Add;
 use std::time::Duration;
 
 /// The part of one worker.
@@ -65,7 +66,7 @@ impl Report {
     pub fn work(&self) -> Work {
         let front = Work { box_tests: self.front.box_tests, triangle_tests: 0 };
         let shares = self.shares.iter().map(|share| share.work);
-        shares.chain([self.alone]).fold(front, sum)
+        shares.chain([self.alone]).fold(front, Work::add)
     }
 
     /// Adds a frame that continues this one: counts and durations are summed, maxima are kept of values
@@ -74,9 +75,9 @@ impl Report {
         self.shares.resize(self.shares.len().max(next.shares.len()), Share::default());
         for (share, more) in self.shares.iter_mut().zip(&next.shares) {
             share.predicted += more.predicted;
-            share.work = sum(share.work, more.work);
+            share.work = share.work + more.work;
         }
-        self.alone = sum(self.alone, next.alone);
+        self.alone = self.alone + next.alone;
         self.late |= next.late;
         self.cancelled |= next.cancelled;
         let FrontReport { coherent, epsilon, full, box_tests } = next.front;
@@ -94,13 +95,6 @@ impl Report {
         self.waking_time += next.waking_time;
         self.busy_time += next.busy_time;
         self.gather_time += next.gather_time;
-    }
-}
-
-pub(crate) fn sum(one: Work, other: Work) -> Work {
-    Work {
-        box_tests: one.box_tests + other.box_tests,
-        triangle_tests: one.triangle_tests + other.triangle_tests,
     }
 }
 

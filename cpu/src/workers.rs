@@ -13,7 +13,7 @@
 //! This is work stealing begun by who gives (Acar, Charguéraud & Rainey, *Scheduling Parallel Programs by Work Stealing with
 //! Private Deques*, 2013).
 
-use crate::control::{Control, tests};
+use crate::control::Control;
 use crate::memory::{push, reserve};
 use crate::output::Output;
 use crate::pool::spawn;
@@ -255,7 +255,7 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
         let number = nodes[position as usize].query;
         let is_wanted = || slice.is_some() && self.idle.load(Relaxed) > 0;
         while !cursor.is_done() && !control.is_over() {
-            let most = slice.map_or(u64::MAX, |slice| tests(cursor.work).saturating_add(slice));
+            let most = slice.map_or(u64::MAX, |slice| cursor.work.tests().saturating_add(slice));
             let query = &queries[number as usize];
             control.traverse(query, number, &mut cursor, slot.output, most, &is_wanted);
             if is_wanted() {

@@ -137,14 +137,14 @@ fn step(
 ) -> bool {
     let mut left = budget;
     while let Some(cursor) = cursors.last_mut() {
-        let before = cursor.work.box_tests + cursor.work.triangle_tests;
+        let before = cursor.work.tests();
         if tree.step(cursor, left, &mut *visit).is_break() {
             return true;
         }
         if !cursor.is_done() {
             return false;
         }
-        let after = cursor.work.box_tests + cursor.work.triangle_tests;
+        let after = cursor.work.tests();
         left = left.saturating_sub(after - before).max(1);
         cursors.pop();
     }
