@@ -24,7 +24,8 @@ const STEP: u64 = 512;
 /// that others are called again sooner or later, in case they have become faster.
 const FADING: f64 = 31.0 / 32.0;
 
-/// The part of its share of the work after which a thread looks whether another has nothing to do.
+/// The part of its share of the work after which a thread looks whether another has nothing to do. A policy: another waits no
+/// longer than this for work.
 const LATENESS: f64 = 1.0 / 32.0;
 
 /// The fewest tests between two such looks: after each, the triangles of some leaves are loaded anew.

@@ -10,10 +10,11 @@ use pfront_core::bvtt::{NodePair, Query};
 use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
 
+/// The first N. A policy: 40 KiB, or twice what a front of g = 8 takes for each worker.
 const FEWEST_NODES: usize = 1024;
 const NODES_PER_WORKER: usize = 16;
 
-/// How much finer estimated nodes are than measured ones where nobody takes from others.
+/// How much finer estimated nodes are than measured ones where nobody takes from others: as in [`RefineOptions::new`].
 const ESTIMATED: f64 = 6.0;
 
 /// The g that the paper uses.

@@ -8,7 +8,7 @@ use crate::output::{Item, OutputBuffer};
 use crate::{MemoryError, Pool};
 use std::mem::take;
 
-/// Shorter lists are sorted by comparison.
+/// Shorter lists are sorted by comparison: they have few elements for each of the 256 counters of a byte.
 const RADIX_FROM: usize = 512;
 
 /// Elements that one thread sorts in the time that it takes to call others three times, some 40 us.
