@@ -41,11 +41,11 @@ pub struct Report {
     pub traversal_time: Duration,
     /// The part of it before others were called.
     pub alone_time: Duration,
-    /// The mean time over the threads from their call until they began; part of the traversal, and zero where there was no
-    /// front.
+    /// The mean time over the threads from their call until they began; part of the traversal, and zero where none were
+    /// called.
     pub waking_time: Duration,
     /// The mean time over the threads in which they were busy with the traversal after others were called; zero where
-    /// there was no front. In the rest they waited for the last one.
+    /// none were. In the rest they waited for the last one.
     pub busy_time: Duration,
     /// The time to merge the sorted lists of the threads, where others than the calling thread were called.
     pub gather_time: Duration,

@@ -233,8 +233,8 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
     ) where
         'r: 's,
     {
-        while !self.frame.control.is_over()
-            && let Some(position) = part.next(from_back)
+        while let Some(position) = part.next(from_back)
+            && !self.frame.control.is_over()
         {
             let cursor = Cursor::at(self.frame.nodes[position as usize].pair);
             self.traverse_from(position, cursor, slot, scope);

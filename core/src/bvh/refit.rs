@@ -4,9 +4,8 @@
 //!
 //! If few vertices have moved, the pass leaves out parts without any: vertices that are near in space mostly have near
 //! indices, so that a pair of siblings knows by the smallest and the largest index below it whether anything there can
-//! have moved. A row of a table for each pair holds that range, and what the nodes below add to the quality. That takes half
-//! of the instructions of a whole pass if a fifth of the vertices have moved, and a quarter if a twentieth have
-//! (`benches/record/kept.md`).
+//! have moved. A row of a table for each pair holds that range, and what the nodes below add to the quality. The pass takes
+//! half of its instructions if a fifth of the vertices have moved, and a quarter if a twentieth have (`benches/record/kept.md`).
 
 use super::quality::ExpectedTests;
 use crate::Node;
