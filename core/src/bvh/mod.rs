@@ -5,8 +5,8 @@
 //! comes after its parent: one backward pass over the array refits the whole tree. A leaf holds a range of the
 //! order, an array of triangle indices; the ranges of the leaves, from left to right, follow one another.
 //!
-//! [`Node`] takes 32 bytes and is the same on CPU and GPU. Builds make trees of `Node`s, refits follow a deforming mesh,
-//! [`Bvh::new`] checks arrays from elsewhere, and [`blob`](crate::blob) stores a tree with its mesh.
+//! [`Node`](crate::Node) takes 32 bytes and is the same on CPU and GPU. Builds make trees of `Node`s, refits follow a deforming mesh,
+//! [`Bvh::new`](crate::Bvh::new) checks arrays from elsewhere, and [`blob`](crate::blob) stores a tree with its mesh.
 
 pub(crate) mod arrays;
 mod build;
