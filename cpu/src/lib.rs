@@ -43,13 +43,14 @@
 //! [`Pool::install`] and [`Pool::spawn`] change nothing for the function that they run.
 
 // `traversal` has the verbs; each calls `Traversal::run` in `frame`, which begins alone and then divides: `front` makes and
-// partitions the front, and `workers` has each thread traverse its part, into an output of `output`. `sort` makes one list of
-// theirs. `control` ends frames early.
+// partitions the front, and `workers` has each thread traverse its part, into an output of `output`. `merge` makes one list of
+// theirs, which `sort` has sorted. `control` ends frames early.
 mod build;
 mod control;
 mod frame;
 mod front;
 mod memory;
+mod merge;
 mod output;
 mod pool;
 mod report;

@@ -1,8 +1,9 @@
-//! Outputs of the threads, one each so that no thread waits for a lock. The lists of pairs are sorted and merged by all
-//! threads: see [`crate::sort`].
+//! Outputs of the threads, one each so that no thread waits for a lock. Each thread sorts its
+//! list of pairs, and all merge them: see [`crate::merge`].
 
 use crate::MemoryError;
 use crate::memory::reserve;
+use crate::sort::sort;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::environment::Environment;
 use std::ops::ControlFlow;
@@ -24,6 +25,9 @@ pub(crate) trait Output: Send {
     /// Takes a pair that was found; a break ends the frame.
     fn add(&mut self, query: u32, pair: TrianglePair) -> ControlFlow<()>;
 
+    /// Called by each thread that has filled it.
+    fn finish(&mut self) {}
+
     /// The error for which it ended the frame.
     fn failure(&self) -> Option<MemoryError> {
         None
@@ -34,6 +38,8 @@ pub(crate) trait Output: Send {
 #[derive(Clone, Debug, Default)]
 pub struct OutputBuffer<T> {
     pub(crate) items: Vec<T>,
+    /// How many of them are known to be sorted.
+    pub(crate) sorted: usize,
     /// Memory to sort in.
     pub(crate) scratch: Vec<T>,
     failure: Option<MemoryError>,
@@ -42,7 +48,7 @@ pub struct OutputBuffer<T> {
 impl<T> OutputBuffer<T> {
     pub(crate) fn clear(&mut self) {
         self.items.clear();
-        self.failure = None;
+        (self.sorted, self.failure) = (0, None);
     }
 
     /// Makes room for one more item.
@@ -61,6 +67,14 @@ impl<T: Item> Output for OutputBuffer<T> {
         }
         self.items.push(T::new(query, pair));
         ControlFlow::Continue(())
+    }
+
+    /// Sorts the list while it is in the cache of its thread, and others still traverse.
+    fn finish(&mut self) {
+        if self.sorted < self.items.len() {
+            sort(&mut self.items, &mut self.scratch, T::key);
+            self.sorted = self.items.len();
+        }
     }
 
     fn failure(&self) -> Option<MemoryError> {

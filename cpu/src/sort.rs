@@ -1,147 +1,31 @@
-//! Sorted lists out of the lists of the threads.
-//!
-//! Each thread sorts a list, and merges a range of all. The ranges come from regular samples of the lists, so that they are
-//! nearly alike (Shi & Schaeffer, *Parallel Sorting by Regular Sampling*, 1992).
+//! Sorting one list.
 
-use crate::memory::{reserve, resize};
-use crate::output::{Item, OutputBuffer};
-use crate::{MemoryError, Pool};
-use std::mem::take;
+use crate::memory::resize;
 
 /// Shorter lists are sorted by comparison: they have few elements for each of the 256 counters of a byte.
 const RADIX_FROM: usize = 512;
 
-/// Elements that one thread sorts in the time that it takes to call others three times, some 40 us.
-const SORTED_ALONE: usize = 4096;
-
-/// The fewest elements of a range, which take about as long to merge as it takes to call another thread that is awake.
-const RANGE: usize = 512;
-
-/// Samples of all lists together for each range. With more of them ranges are more alike, and sorting the samples, which
-/// one thread does, takes longer.
-const SAMPLES: usize = 16;
-
-/// Replaces the contents of `out` by those of some lists, sorted, on so many threads of a pool.
-///
-/// # Errors
-/// [`MemoryError`] if `out`, or the memory to merge in, cannot grow.
-pub(crate) fn merge<T: Item>(
-    lists: &mut [OutputBuffer<T>],
-    threads: usize,
-    pool: &Pool,
-    out: &mut Vec<T>,
-) -> Result<(), MemoryError> {
-    let len: usize = lists.iter().map(|list| list.items.len()).sum();
-    if len < SORTED_ALONE {
-        out.clear();
-        reserve(out, len)?;
-        lists.iter().for_each(|list| out.extend_from_slice(&list.items));
-        lists.first_mut().into_iter().for_each(|list| sort(out, &mut list.scratch));
-        return Ok(());
-    }
-    pool.for_each(&mut *lists, |list| sort(&mut list.items, &mut list.scratch));
-    if let Some(only) = lists.iter_mut().find(|list| list.items.len() == len) {
-        std::mem::swap(out, &mut only.items);
-        return Ok(());
-    }
-    resize(out, len)?;
-    let mut scratch = take(&mut lists[0].scratch);
-    resize(&mut scratch, len)?;
-    let merged = merge_lists(lists, threads, pool, out, &mut scratch);
-    lists[0].scratch = scratch;
-    merged
-}
-
-/// Merges sorted lists into `out`, which is as long as all of them together, as is `scratch`.
-fn merge_lists<T: Item>(
-    lists: &[OutputBuffer<T>],
-    threads: usize,
-    pool: &Pool,
-    out: &mut [T],
-    scratch: &mut [T],
-) -> Result<(), MemoryError> {
-    let len = out.len();
-    let ranges = threads.clamp(1, len / RANGE);
-    let step = (len / (ranges * SAMPLES)).max(1);
-    let mut samples: Vec<T> = Vec::new();
-    reserve(&mut samples, len / step + lists.len())?;
-    samples.extend(lists.iter().flat_map(|list| list.items.iter().step_by(step)));
-    samples.sort_unstable();
-    let first = |range: usize| samples[range * samples.len() / ranges];
-    // For each list the ends of its part of each range.
-    let mut ends = Vec::new();
-    resize(&mut ends, ranges * lists.len())?;
-    pool.for_each(lists.iter().zip(ends.chunks_exact_mut(ranges)), |(list, ends)| {
-        for (range, end) in (1..ranges).zip(&mut *ends) {
-            *end = list.items.partition_point(|item| *item < first(range));
-        }
-        ends[ranges - 1] = list.items.len();
-    });
-    // The parts of a range, an empty one for each list without any.
-    let mut parts: Vec<&[T]> = Vec::new();
-    reserve(&mut parts, ends.len())?;
-    for range in 0..ranges {
-        parts.extend(lists.iter().zip(ends.chunks_exact(ranges)).map(|(list, ends)| {
-            &list.items[range.checked_sub(1).map_or(0, |before| ends[before])..ends[range]]
-        }));
-    }
-    let (mut rest, mut rest_of_scratch) = (out, scratch);
-    let chunks = parts.chunks_exact(lists.len()).map(|parts| {
-        let size = parts.iter().map(|part| part.len()).sum();
-        let (chunk, others) = take(&mut rest).split_at_mut(size);
-        let (scratch, more) = take(&mut rest_of_scratch).split_at_mut(size);
-        (rest, rest_of_scratch) = (others, more);
-        (parts, chunk, scratch)
-    });
-    pool.for_each(chunks, |(parts, chunk, scratch)| merge_parts(parts, chunk, scratch));
-    Ok(())
-}
-
-/// Merges sorted parts, two at a time, into `out`, which is as long as all of them together, as is `scratch`.
-fn merge_parts<T: Item>(parts: &[&[T]], out: &mut [T], scratch: &mut [T]) {
-    match parts {
-        [] => {}
-        [only] => out.copy_from_slice(only),
-        [a, b] => merge_two(a, b, out),
-        _ => {
-            let (left, right) = parts.split_at(parts.len() / 2);
-            let middle = left.iter().map(|part| part.len()).sum();
-            let (a, b) = scratch.split_at_mut(middle);
-            let (scratch_a, scratch_b) = out.split_at_mut(middle);
-            merge_parts(left, a, scratch_a);
-            merge_parts(right, b, scratch_b);
-            merge_two(a, b, out);
-        }
-    }
-}
-
-/// Merges two sorted lists. The choice between two items is no branch, since it could not be predicted.
-fn merge_two<T: Item>(a: &[T], b: &[T], out: &mut [T]) {
-    let (mut i, mut j, mut slots) = (0, 0, out.iter_mut());
-    while let (Some(x), Some(y)) = (a.get(i), b.get(j))
-        && let Some(slot) = slots.next()
-    {
-        let is_second = y.key() < x.key();
-        *slot = if is_second { *y } else { *x };
-        i += usize::from(!is_second);
-        j += usize::from(is_second);
-    }
-    slots.into_slice().copy_from_slice(if i < a.len() { &a[i..] } else { &b[j..] });
-}
-
-/// Sorts a list that may be sorted already.
-fn sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
+/// Sorts a list that may be sorted already, by keys in the order of its items.
+pub(crate) fn sort<T: Copy + Default + Ord>(
+    items: &mut [T],
+    scratch: &mut Vec<T>,
+    key: impl Fn(&T) -> u128,
+) {
     if items.len() < RADIX_FROM {
         items.sort_unstable();
     } else if !items.is_sorted() {
-        radix_sort(items, scratch);
+        radix_sort(items, scratch, key);
     }
 }
 
 /// Sorts by one byte of the key after the other, from the least on, leaving out those in which all keys agree; by comparison
 /// where there is no memory for `scratch`.
-fn radix_sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
-    let bits = |(any, all), item: &T| (any | item.key(), all & item.key());
+fn radix_sort<T: Copy + Default + Ord>(
+    items: &mut [T],
+    scratch: &mut Vec<T>,
+    key: impl Fn(&T) -> u128,
+) {
+    let bits = |(any, all), item: &T| (any | key(item), all & key(item));
     let (any, all) = items.iter().fold((0, u128::MAX), bits);
     if resize(scratch, items.len()).is_err() {
         return items.sort_unstable();
@@ -149,7 +33,7 @@ fn radix_sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
     let (mut from, mut to) = (items, &mut scratch[..]);
     let mut is_in_scratch = false;
     for shift in (0..128).step_by(8).filter(|shift| (any ^ all) >> shift & 255 != 0) {
-        let byte = |item: &T| (item.key() >> shift) as usize & 255;
+        let byte = |item: &T| (key(item) >> shift) as usize & 255;
         let mut ends = [0; 256];
         from.iter().for_each(|item| ends[byte(item)] += 1);
         let mut sum = 0;
@@ -171,7 +55,7 @@ fn radix_sort<T: Item>(items: &mut [T], scratch: &mut Vec<T>) {
 mod tests {
     use super::*;
     use crate::Hit;
-    use crate::output::Output;
+    use crate::output::Item;
     use pfront_core::bvtt::TrianglePair;
     use pfront_testkit::rng::{RngExt, seeded};
 
@@ -190,39 +74,8 @@ mod tests {
             let mut hits: Vec<Hit> = (0..count).map(|_| hit()).collect();
             let mut expected = hits.clone();
             expected.sort();
-            radix_sort(&mut hits, &mut scratch);
+            radix_sort(&mut hits, &mut scratch, Item::key);
             assert!(hits == expected, "{count} {most}");
-        }
-    }
-
-    #[test]
-    fn lists_are_merged() {
-        let mut rng = seeded(2);
-        for (lists, most) in [(0, 1), (1, 5_000), (2, 300), (3, 2_000), (40, 900), (5, 1 << 15)] {
-            // All of many equal elements have to stay.
-            for key in [3, u32::MAX] {
-                let mut random = |most: u32| rng.random_range(0..most);
-                let mut expected = Vec::new();
-                let mut made = vec![OutputBuffer::<TrianglePair>::default(); lists];
-                for (i, list) in made.iter_mut().enumerate() {
-                    // The last list is short.
-                    let last = if i + 1 == lists { 7 } else { most };
-                    for _ in 0..last {
-                        let pair = TrianglePair { a: random(key), b: random(key) };
-                        assert!(list.add(0, pair).is_continue());
-                        expected.push(pair);
-                    }
-                }
-                expected.sort();
-                for threads in [1, 2, 16, 64] {
-                    let mut out = vec![TrianglePair::default(); 3];
-                    let merged = merge(&mut made.clone(), threads, &Pool::new(1), &mut out);
-                    assert!(
-                        merged.is_ok() && out == expected,
-                        "{lists} lists, {most} each, {threads} threads"
-                    );
-                }
-            }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Traversals of queries by a pool, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
+use crate::merge::merge;
 use crate::output::{Item, OutputBuffer, Storage, Visitor};
-use crate::sort::merge;
 use crate::workers::Workers;
 use crate::{Hit, MemoryError, Pool, Report};
 use pfront_core::bvtt::Query;

@@ -296,6 +296,7 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
 
     /// Ends the work of a thread that began at `clock`.
     fn leave(&self, slot: OutputSlot<'r, O>, clock: Instant) {
+        slot.output.finish();
         self.busy.fetch_add(clock.elapsed().as_nanos() as u64, Relaxed);
         self.put(slot);
     }
