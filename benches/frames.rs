@@ -17,7 +17,7 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BvhStorage};
 use std::hint::black_box;
 
-const SCHEDULES: [Schedule; 3] = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+const SCHEDULES: [Schedule; 2] = [Schedule::Static, Schedule::Hybrid];
 
 fn thread_counts() -> Vec<usize> {
     let most = all_threads();

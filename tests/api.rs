@@ -44,7 +44,7 @@ fn everything_owned_is_send_sync_and_unpin() {
 #[cfg(feature = "serde")]
 #[test]
 fn what_is_stored_comes_back() -> Result<(), Box<dyn std::error::Error>> {
-    use pfront::{Adjacency, BuildOptions, Groups, Model, Pose, SceneQuery};
+    use pfront::{Adjacency, BuildOptions, Groups, Model, Pose, Pose64, SceneQuery};
     use serde::{Serialize, de::DeserializeOwned};
     use std::fmt::Debug;
 
@@ -61,6 +61,7 @@ fn what_is_stored_comes_back() -> Result<(), Box<dyn std::error::Error>> {
     assert_eq!(contacts.len(), 1);
     again(contacts);
     again((pose, body, triangle()?.bvh().aabb(), scene.hits().to_vec()));
+    again(Pose64::from_rotation_translation([0.6, 0.0, 0.0, 0.8], [0.1, 0.2, -1e-300]));
     again((Groups::default(), Adjacency::SkipNeighbours));
 
     // A build runs in parts by whoever builds, not by what was stored.

@@ -100,7 +100,7 @@ fn tests(points: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> u64 {
     let query = SelfBvtt::new(model.bvh()).with_certificates(model.certificates());
     let mut cursor = query.start();
     assert!(query.visit(&mut cursor, |_| ControlFlow::Break(())).is_continue(), "no hit");
-    cursor.work.box_tests + cursor.work.triangle_tests
+    cursor.work.tests()
 }
 
 /// So many triangles in a grid, in a disc around its centre and from its rim, in a cone, and around both poles of a sphere.

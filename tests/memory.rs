@@ -114,11 +114,7 @@ fn executors() -> Vec<(&'static str, Executor)> {
     #[cfg(feature = "threads")]
     let threads = {
         use pfront::threads::{Pool, Schedule, Settings, rayon};
-        let schedules = [
-            ("static", Schedule::Static),
-            ("hybrid", Schedule::Hybrid),
-            ("stealing", Schedule::Stealing),
-        ];
+        let schedules = [("static", Schedule::Static), ("hybrid", Schedule::Hybrid)];
         schedules.map(|(name, schedule)| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
             let mut pool = Pool::from(std::sync::Arc::new(pool));

@@ -22,10 +22,10 @@ fn scenes() -> Vec<SceneQuery> {
     #[cfg(feature = "threads")]
     {
         use pfront::threads::{Pool, Schedule, Settings};
-        let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+        let schedules = [Schedule::Static, Schedule::Hybrid];
         let threaded = [1, 2, 3, 7, 64].into_iter().flat_map(|workers| {
             schedules.map(|schedule| {
-                // The three make up for each other in what they leave at the default.
+                // The two make up for each other in what they leave at the default.
                 let max_nodes = if schedule == Schedule::Static { 1 } else { 1 << 20 };
                 let settings = Settings { schedule, max_nodes, ..Settings::default() };
                 let pool = Pool::new(workers).with_settings(settings);

@@ -17,11 +17,7 @@ static EXECUTORS: LazyLock<Vec<(&'static str, Executor)>> = LazyLock::new(|| {
     {
         use pfront::threads::{Pool, Schedule, Settings};
         all.extend([("1 thread", Executor::threads(1)), ("2 threads", Executor::threads(2))]);
-        for (name, schedule) in [
-            ("static", Schedule::Static),
-            ("stealing", Schedule::Stealing),
-            ("hybrid", Schedule::Hybrid),
-        ] {
+        for (name, schedule) in [("static", Schedule::Static), ("hybrid", Schedule::Hybrid)] {
             let settings = Settings { schedule, ..Settings::default() };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
             let pool = Pool::from(Arc::new(pool)).with_settings(settings);

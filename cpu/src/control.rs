@@ -1,7 +1,7 @@
 //! The early end of a traversal: at a break, at a deadline, or when it is cancelled.
 
 use crate::output::Output;
-use pfront_core::bvtt::{Cursor, Query, Work};
+use pfront_core::bvtt::{Cursor, Query};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -68,7 +68,7 @@ impl Control {
         is_wanted: &impl Fn() -> bool,
     ) {
         while !cursor.is_done() && !self.is_over() {
-            let left = most.saturating_sub(tests(cursor.work));
+            let left = most.saturating_sub(cursor.work.tests());
             if left == 0 {
                 break;
             }
@@ -88,9 +88,4 @@ impl Control {
             }
         }
     }
-}
-
-/// Tests of both kinds.
-pub(crate) fn tests(work: Work) -> u64 {
-    work.box_tests + work.triangle_tests
 }

@@ -1,11 +1,9 @@
 //! One frame: alone for a while if that may do, and then divided by a front.
 
-use crate::control::{Control, SLICE, tests};
+use crate::control::{Control, SLICE};
 use crate::front::Start;
 use crate::memory::{push, reserve, resize};
 use crate::output::Output;
-use crate::report::sum;
-use crate::search::Search;
 use crate::workers::DividedFrame;
 use crate::{MemoryError, Report, Schedule, Traversal};
 use pfront_core::bvtt::{Cursor, Query, Work};
@@ -18,15 +16,16 @@ use std::time::{Duration, Instant};
 /// ([`Pool::measured`](crate::Pool::measured)). A frame whose expected cost, in box tests, is lower than this begins there.
 const ALONE: u64 = 2048;
 
-/// Tests between two looks at the clock while others may be called. A frame that ends sooner is not timed: that would take
-/// as long as a part of such a frame.
+/// Tests between two looks at the clock while others may be called, and in a search for one hit at whether a thread has nothing
+/// to do. A frame that ends sooner is not timed: that would take as long as a part of such a frame.
 const STEP: u64 = 512;
 
 /// The remembered overhead of a frame on several threads shrinks to this part of it with each frame on the calling thread, so
 /// that others are called again sooner or later, in case they have become faster.
 const FADING: f64 = 31.0 / 32.0;
 
-/// The part of its share of the work after which a thread looks whether another has nothing to do.
+/// The part of its share of the work after which a thread looks whether another has nothing to do. A policy: another waits no
+/// longer than this for work.
 const LATENESS: f64 = 1.0 / 32.0;
 
 /// The fewest tests between two such looks: after each, the triangles of some leaves are loaded anew.
@@ -74,10 +73,13 @@ impl Traversal {
             with_default(|| self.begin(queries, only_one_hit, &control, &mut outputs[0]))?;
         let is_divided = !self.starts.is_empty() && !control.is_over();
         let clock = is_divided.then(Instant::now);
-        if is_divided && only_one_hit {
-            self.search(queries, &control, outputs, new_output)?;
-        } else if is_divided {
-            self.divide(queries, from_roots, &control, outputs, new_output)?;
+        if is_divided {
+            let threads = self.pool.threads();
+            resize(&mut self.report.shares, self.pool.p())?;
+            let more = threads.saturating_sub(outputs.len());
+            reserve(outputs, more)?;
+            outputs.resize_with(threads, new_output);
+            self.divide(queries, from_roots, only_one_hit, &control, outputs)?;
         }
         self.report.late = control.was_late();
         self.report.cancelled = control.was_cancelled();
@@ -170,14 +172,14 @@ impl Traversal {
             }
             let mut cursor = Cursor::at(root);
             while !cursor.is_done() && !is_enough && !control.is_over() {
-                let next = if self.pool.p() == 1 { u64::MAX } else { tests(cursor.work) + STEP };
+                let next = if self.pool.p() == 1 { u64::MAX } else { cursor.work.tests() + STEP };
                 control.traverse(query, number, &mut cursor, output, next, &|| false);
-                let done = sum(work, cursor.work);
-                if self.pool.p() > 1 && tests(done) >= STEP {
+                let done = work + cursor.work;
+                if self.pool.p() > 1 && done.tests() >= STEP {
                     let (clock, _) = clock.get_or_insert_with(|| (Instant::now(), done.cost()));
                     is_enough = match alone {
                         Some(alone) => clock.elapsed().as_secs_f64() >= alone,
-                        None => tests(done) >= ALONE,
+                        None => done.tests() >= ALONE,
                     };
                 }
             }
@@ -186,7 +188,7 @@ impl Traversal {
             self.starts.extend(left);
             // The cursor is left with at most one leaf pair, which is visited to its end.
             control.traverse(query, number, &mut cursor, output, u64::MAX, &|| false);
-            work = sum(work, cursor.work);
+            work = work + cursor.work;
         }
         self.report.alone = work;
         if let Some((clock, before)) = clock {
@@ -200,53 +202,32 @@ impl Traversal {
         Ok(())
     }
 
-    /// Searches below the pending node pairs for one hit. A front would change the order: the dearest nodes would come first,
-    /// and a hit that is near for one thread might be far.
-    fn search<Q: Query + Sync, O: Output>(
-        &mut self,
-        queries: &[Q],
-        control: &Control,
-        outputs: &mut Vec<O>,
-        new_output: impl Fn() -> O,
-    ) -> Result<(), MemoryError> {
-        let (p, threads) = (self.pool.p(), self.pool.threads());
-        let Self { pool, starts, report, .. } = self;
-        // The last of the node pairs that were pending is the next; the roots of other queries follow as they are.
-        let query = starts.first().map(|start| start.query);
-        let pending = starts.iter().take_while(|start| Some(start.query) == query).count();
-        starts[..pending].reverse();
-        resize(&mut report.shares, p)?;
-        let more = threads.saturating_sub(outputs.len());
-        reserve(outputs, more)?;
-        outputs.resize_with(threads, new_output);
-        let clock = Instant::now();
-        Search { queries, starts, control }.run(pool, outputs, &mut report.shares)?;
-        report.traversal_time += clock.elapsed();
-        Ok(())
-    }
-
-    /// Divides the pending node pairs by a front. Costs are remembered for a front that begins at the roots.
+    /// Divides the pending node pairs by a front, or, for one hit, as they are: a front would change the order, since the dearest
+    /// nodes would come first, and a hit that is near for one thread might be far. Costs are remembered for a front that
+    /// begins at the roots.
     fn divide<Q: Query + Sync, O: Output>(
         &mut self,
         queries: &[Q],
         from_roots: bool,
+        only_one_hit: bool,
         control: &Control,
-        outputs: &mut Vec<O>,
-        new_output: impl Fn() -> O,
+        outputs: &mut [O],
     ) -> Result<(), MemoryError> {
-        let (p, threads, expected) = (self.pool.p(), self.pool.threads(), self.last_cost);
+        let (threads, expected) = (outputs.len(), self.last_cost);
         let Self { pool, front, starts, buffers, report, .. } = self;
-        resize(&mut report.shares, p)?;
-        let more = threads.saturating_sub(outputs.len());
-        reserve(outputs, more)?;
-        outputs.resize_with(threads, new_output);
         let mut settings = pool.settings;
         settings.coherence &= from_roots;
         // A thread of the pool may have other things to do than to wait for this front.
         let in_pool = rayon::current_thread_index().is_some();
-        let waiting = if in_pool || settings.schedule == Schedule::Stealing { 1 } else { threads };
+        let waiting = if in_pool || only_one_hit { 1 } else { threads };
         pool.awake(waiting, |is_ready| {
-            let divided = with_default(|| front.divide(queries, starts, &settings, report));
+            let divided = with_default(|| {
+                if only_one_hit {
+                    front.list(in_order(starts))
+                } else {
+                    front.divide(queries, starts, &settings, report)
+                }
+            });
             // Nobody stays awake for a front that there is no memory for.
             is_ready.store(divided.is_err(), Relaxed);
             divided?;
@@ -254,12 +235,14 @@ impl Traversal {
                 let predicted = || report.shares.iter().map(|share| share.predicted).sum();
                 let mean = expected.unwrap_or_else(predicted) / threads as f64;
                 match settings.schedule {
+                    _ if only_one_hit => Some(STEP),
                     Schedule::Static => None,
-                    _ => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
+                    Schedule::Hybrid => Some(((mean * LATENESS) as u64).clamp(FEWEST, SLICE)),
                 }
             });
             let clock = Instant::now();
-            let frame = DividedFrame { queries, nodes: front.nodes(), slice, control };
+            let frame =
+                DividedFrame { queries, nodes: front.nodes(), slice, only_one_hit, control };
             is_ready.store(true, Relaxed);
             [report.waking_time, report.busy_time] =
                 buffers.traverse(&frame, pool, outputs, &mut report.shares)?;
@@ -271,4 +254,12 @@ impl Traversal {
         }
         Ok(())
     }
+}
+
+/// Pending node pairs in the order in which one thread would go on: the last that its cursor left is the next, and the roots of
+/// other queries follow as they are.
+fn in_order(starts: &[Start]) -> impl ExactSizeIterator<Item = Start> {
+    let query = starts.first().map(|start| start.query);
+    let pending = starts.iter().take_while(|start| Some(start.query) == query).count();
+    (0..starts.len()).map(move |i| starts[if i < pending { pending - 1 - i } else { i }])
 }

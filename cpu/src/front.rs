@@ -10,10 +10,11 @@ use pfront_core::bvtt::{NodePair, Query};
 use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
 
+/// The first N. A policy: 40 KiB, or twice what a front of g = 8 takes for each worker.
 const FEWEST_NODES: usize = 1024;
 const NODES_PER_WORKER: usize = 16;
 
-/// How much finer estimated nodes are than measured ones where nobody takes from others.
+/// How much finer estimated nodes are than measured ones where nobody takes from others: as in [`RefineOptions::new`].
 const ESTIMATED: f64 = 6.0;
 
 /// The g that the paper uses.
@@ -37,7 +38,6 @@ fn options(settings: &Settings, workers: usize, is_coherent: bool) -> RefineOpti
             g: coarse,
             g_estimated: if is_coherent { coarse } else { 0.0 },
         },
-        Schedule::Stealing => RefineOptions { workers: 1, g, g_estimated: g },
     }
 }
 
@@ -57,6 +57,20 @@ impl FrontMemory {
     /// The nodes of the front, in descending order of cost.
     pub(crate) fn nodes(&self) -> &[FrontNode] {
         &self.nodes[..self.len]
+    }
+
+    /// Makes a front of so many node pairs as they are, all in one part.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if there is no room for them.
+    pub(crate) fn list(
+        &mut self,
+        starts: impl ExactSizeIterator<Item = Start>,
+    ) -> Result<(), MemoryError> {
+        self.len = starts.len();
+        self.grow(self.len)?;
+        add_all(&mut Front::new(&mut self.nodes), starts);
+        Ok(())
     }
 
     /// Generates a front for as many workers as `report` has shares, and assigns it to them.
@@ -81,10 +95,7 @@ impl FrontMemory {
             // Memory that an earlier frame grew may be larger.
             let capacity = self.nodes.len().min(most);
             let mut front = Front::new(&mut self.nodes[..capacity]);
-            for start in starts {
-                let added = front.add(start.query, start.pair);
-                debug_assert!(added.is_ok(), "there is room for all starts");
-            }
+            add_all(&mut front, starts.iter().copied());
             let query = |number: u32| &queries[number as usize];
             let history = if settings.coherence { &mut self.history[..] } else { &mut [] };
             let refined = front.refine(&options, history, query);
@@ -98,9 +109,7 @@ impl FrontMemory {
                 options.g = options.g.min(ESTIMATED * u32::MAX as f64) / 2.0;
                 options.g_estimated = options.g_estimated.min(ESTIMATED * u32::MAX as f64) / 2.0;
             } else {
-                // Without refinement the certificate is that of one worker.
-                let epsilon = refined.epsilon * workers as f64 / options.workers as f64;
-                report.front = FrontReport { box_tests, epsilon, ..refined };
+                report.front = FrontReport { box_tests, ..refined };
                 self.len = front.partition(&mut self.parts).len();
                 break;
             }
@@ -147,5 +156,13 @@ impl FrontMemory {
     fn grow(&mut self, to: usize) -> Result<(), MemoryError> {
         let len = to.max(self.nodes.len());
         resize(&mut self.nodes, len)
+    }
+}
+
+/// Adds node pairs to a front that has room for them.
+fn add_all(front: &mut Front<'_>, starts: impl Iterator<Item = Start>) {
+    for Start { query, pair } in starts {
+        let added = front.add(query, pair);
+        debug_assert!(added.is_ok(), "there is room for all starts");
     }
 }

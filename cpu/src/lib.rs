@@ -43,18 +43,19 @@
 //! [`Pool::install`] and [`Pool::spawn`] change nothing for the function that they run.
 
 // `traversal` has the verbs; each calls `Traversal::run` in `frame`, which begins alone and then divides: `front` makes and
-// partitions the front, `workers` has each thread traverse its part, into an output of `output`. A search for one hit goes
-// by `search` instead. `control` ends frames early.
+// partitions the front, and `workers` has each thread traverse its part, into an output of `output`. `merge` makes one list of
+// theirs, which `sort` has sorted. `control` ends frames early.
 mod build;
 mod control;
 mod frame;
 mod front;
 mod memory;
+mod merge;
 mod output;
 mod pool;
 mod report;
-mod search;
 mod settings;
+mod sort;
 mod traversal;
 mod workers;
 

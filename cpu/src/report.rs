@@ -2,6 +2,7 @@
 
 use pfront_core::bvtt::Work;
 use pfront_core::front::FrontReport;
+use std::ops::Add;
 use std::time::Duration;
 
 /// The part of one worker.
@@ -40,11 +41,11 @@ pub struct Report {
     pub traversal_time: Duration,
     /// The part of it before others were called.
     pub alone_time: Duration,
-    /// The mean time over the threads from their call until they began; part of the traversal, and zero where there was no
-    /// front.
+    /// The mean time over the threads from their call until they began; part of the traversal, and zero where none were
+    /// called.
     pub waking_time: Duration,
     /// The mean time over the threads in which they were busy with the traversal after others were called; zero where
-    /// there was no front. In the rest they waited for the last one.
+    /// none were. In the rest they waited for the last one.
     pub busy_time: Duration,
     /// The time to merge the sorted lists of the threads, where others than the calling thread were called.
     pub gather_time: Duration,
@@ -65,7 +66,7 @@ impl Report {
     pub fn work(&self) -> Work {
         let front = Work { box_tests: self.front.box_tests, triangle_tests: 0 };
         let shares = self.shares.iter().map(|share| share.work);
-        shares.chain([self.alone]).fold(front, sum)
+        shares.chain([self.alone]).fold(front, Work::add)
     }
 
     /// Adds a frame that continues this one: counts and durations are summed, maxima are kept of values
@@ -74,9 +75,9 @@ impl Report {
         self.shares.resize(self.shares.len().max(next.shares.len()), Share::default());
         for (share, more) in self.shares.iter_mut().zip(&next.shares) {
             share.predicted += more.predicted;
-            share.work = sum(share.work, more.work);
+            share.work = share.work + more.work;
         }
-        self.alone = sum(self.alone, next.alone);
+        self.alone = self.alone + next.alone;
         self.late |= next.late;
         self.cancelled |= next.cancelled;
         let FrontReport { coherent, epsilon, full, box_tests } = next.front;
@@ -94,13 +95,6 @@ impl Report {
         self.waking_time += next.waking_time;
         self.busy_time += next.busy_time;
         self.gather_time += next.gather_time;
-    }
-}
-
-pub(crate) fn sum(one: Work, other: Work) -> Work {
-    Work {
-        box_tests: one.box_tests + other.box_tests,
-        triangle_tests: one.triangle_tests + other.triangle_tests,
     }
 }
 

@@ -6,9 +6,7 @@
 pub enum Schedule {
     /// The schedule of the paper: a front with one part per worker, and no synchronisation until the end.
     Static,
-    /// No front but the roots of the queries: a thread that has nothing is given half of the pending node pairs of another.
-    Stealing,
-    /// Both: a worker that is done takes nodes that others have not begun, and then half of what they have begun. Taking
+    /// The same with repairs while it runs: a worker that is done takes nodes that others have not begun, and then half of what they have begun. Taking
     /// from others makes up for wrong costs, so the front is coarse: g is at most 2, and after a frame unlike the last
     /// there is no more than the starting front.
     #[default]
@@ -28,7 +26,7 @@ pub struct Settings {
     /// The way in which nodes are assigned to workers.
     pub schedule: Schedule,
     /// The g of eq. 1, 8 by default: no node of a front that can be split costs more than 1/g of the mean load of a worker.
-    /// Nodes whose cost is an estimate are six times as fine. For [`Schedule::Static`]; the others say how fine theirs are.
+    /// Nodes whose cost is an estimate are six times as fine. For [`Schedule::Static`]; under [`Schedule::Hybrid`] it is at most 2.
     pub g: f64,
     /// Whether the costs of the last frame are used. Without them each frame is independent, as in
     /// section 3.2.2.

@@ -1,7 +1,8 @@
 //! Traversals of queries by a pool, with memory that is kept from frame to frame.
 
 use crate::front::{FrontMemory, Start};
-use crate::output::{self, Item, OutputBuffer, Storage, Visitor};
+use crate::merge::merge;
+use crate::output::{Item, OutputBuffer, Storage, Visitor};
 use crate::workers::Workers;
 use crate::{Hit, MemoryError, Pool, Report};
 use pfront_core::bvtt::Query;
@@ -99,7 +100,7 @@ impl Traversal {
         lists.iter_mut().for_each(OutputBuffer::clear);
         let listed = self.run(queries, false, &mut lists, OutputBuffer::default).and_then(|_| {
             let clock = (!self.report.shares.is_empty()).then(Instant::now);
-            output::merge(&mut lists, self.pool.threads(), &self.pool, out)?;
+            merge(&mut lists, self.pool.threads(), &self.pool, out)?;
             self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
             Ok(())
         });

@@ -4,10 +4,16 @@
 //! Threads take the parts, one after the other if there are more parts than threads; the calling thread is one of them. A
 //! thread that finds no part takes nodes that others have not begun. When there is none, it leaves its output to the busy
 //! threads: the first to see it there splits its cursor and calls a thread of the pool for the half and that output.
-//! Nobody waits for work, so that a visitor may use the pool too. This is work stealing begun by who gives (Acar, Charguéraud
-//! & Rainey, *Scheduling Parallel Programs by Work Stealing with Private Deques*, 2013).
+//! Nobody waits for work, so that a visitor may use the pool too.
+//!
+//! In a search for one hit all nodes are one part, in the order in which one thread would search. The calling thread takes them
+//! in that order, and others take and are given what it would come to last. So it comes to the first hit no later than it
+//! would alone, whatever they do.
+//!
+//! This is work stealing begun by who gives (Acar, Charguéraud & Rainey, *Scheduling Parallel Programs by Work Stealing with
+//! Private Deques*, 2013).
 
-use crate::control::{Control, tests};
+use crate::control::Control;
 use crate::memory::{push, reserve};
 use crate::output::Output;
 use crate::pool::spawn;
@@ -39,10 +45,25 @@ impl Clone for Workers {
 struct PartOfFront {
     /// Positions of its nodes in the front, dearest first.
     nodes: Vec<u32>,
-    /// How many of them have been begun.
-    begun: AtomicUsize,
+    /// How many of them have been begun: from the front, and from the back.
+    begun: [AtomicUsize; 2],
+    /// How many may be begun by now, from either end.
+    claimed: AtomicUsize,
     /// The work that its worker has done.
     done: Tally,
+}
+
+impl PartOfFront {
+    /// The next node from one end that nobody has begun.
+    fn next(&self, from_back: bool) -> Option<u32> {
+        let all = self.nodes.len();
+        // As many claims as there are nodes, so that no two threads take the same.
+        if self.claimed.load(Relaxed) >= all || self.claimed.fetch_add(1, Relaxed) >= all {
+            return None;
+        }
+        let number = self.begun[usize::from(from_back)].fetch_add(1, Relaxed);
+        self.nodes.get(if from_back { all - 1 - number } else { number }).copied()
+    }
 }
 
 /// Work to which several threads add.
@@ -71,6 +92,8 @@ pub(crate) struct DividedFrame<'f, Q> {
     pub(crate) nodes: &'f [FrontNode],
     /// Tests between two looks at whether a thread has nothing to do; `None` under a static schedule.
     pub(crate) slice: Option<u64>,
+    /// Whether this is a search for one hit.
+    pub(crate) only_one_hit: bool,
     pub(crate) control: &'f Control,
 }
 
@@ -178,41 +201,47 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
         slot.output.begin(environment);
         let (clock, parts) = (Instant::now(), &self.workers.parts);
         self.waking.fetch_add((clock - self.called).as_nanos() as u64, Relaxed);
-        loop {
-            let part = self.begun.fetch_add(1, Relaxed);
-            match parts.get(part) {
-                Some(own) if !own.nodes.is_empty() => slot.worker = part,
-                Some(_) => continue,
-                None => break,
+        if self.frame.only_one_hit {
+            let from_back = slot.worker > 0;
+            self.take_nodes(&parts[0], from_back, &mut slot, scope);
+            return self.leave(slot, clock);
+        }
+        while let number = self.begun.fetch_add(1, Relaxed)
+            && let Some(part) = parts.get(number)
+        {
+            if !part.nodes.is_empty() {
+                slot.worker = number;
+                self.take_nodes(part, false, &mut slot, scope);
             }
-            self.take_nodes(part, &mut slot, scope);
         }
         if self.frame.slice.is_some() {
-            for part in (slot.worker..parts.len()).chain(0..slot.worker) {
-                self.take_nodes(part, &mut slot, scope);
+            let (before, from_own) = parts.split_at(slot.worker);
+            for part in from_own.iter().chain(before) {
+                self.take_nodes(part, false, &mut slot, scope);
             }
         }
-        // Hits that this output gets later are sorted when all lists are merged.
-        slot.output.finish();
         self.leave(slot, clock);
     }
 
     /// Traverses from the nodes of a part that nobody has begun.
-    fn take_nodes<'s>(&'s self, part: usize, slot: &mut OutputSlot<'r, O>, scope: &Scope<'s>)
-    where
+    fn take_nodes<'s>(
+        &'s self,
+        part: &PartOfFront,
+        from_back: bool,
+        slot: &mut OutputSlot<'r, O>,
+        scope: &Scope<'s>,
+    ) where
         'r: 's,
     {
-        let part = &self.workers.parts[part];
-        while part.begun.load(Relaxed) < part.nodes.len()
+        while let Some(position) = part.next(from_back)
             && !self.frame.control.is_over()
-            && let Some(&position) = part.nodes.get(part.begun.fetch_add(1, Relaxed))
         {
             let cursor = Cursor::at(self.frame.nodes[position as usize].pair);
             self.traverse_from(position, cursor, slot, scope);
         }
     }
 
-    /// Traverses what is left of a cursor below the node at a position, and gives halves of it away.
+    /// Traverses what is left of a cursor below the node at a position, and gives parts of it away.
     fn traverse_from<'s>(
         &'s self,
         position: u32,
@@ -222,11 +251,11 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
     ) where
         'r: 's,
     {
-        let DividedFrame { queries, nodes, slice, control } = *self.frame;
+        let DividedFrame { queries, nodes, slice, control, .. } = *self.frame;
         let number = nodes[position as usize].query;
         let is_wanted = || slice.is_some() && self.idle.load(Relaxed) > 0;
         while !cursor.is_done() && !control.is_over() {
-            let most = slice.map_or(u64::MAX, |slice| tests(cursor.work).saturating_add(slice));
+            let most = slice.map_or(u64::MAX, |slice| cursor.work.tests().saturating_add(slice));
             let query = &queries[number as usize];
             control.traverse(query, number, &mut cursor, slot.output, most, &is_wanted);
             if is_wanted() {
@@ -237,7 +266,7 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
         self.workers.costs[position as usize].add(cursor.work);
     }
 
-    /// Gives half of a cursor to another thread, with an output that is free.
+    /// Gives half of a cursor, or what a search comes to last, to another thread, with an output that is free.
     fn give<'s>(&'s self, position: u32, cursor: &mut Cursor, scope: &Scope<'s>)
     where
         'r: 's,
@@ -249,11 +278,16 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
         let Some(mut slot) = free.pop() else { return };
         self.idle.store(free.len(), Relaxed);
         drop(free);
-        match cursor.take_half() {
-            Some(half) => spawn(scope, move |scope, environment| {
+        let given = if self.frame.only_one_hit {
+            cursor.take_last().map(Cursor::at)
+        } else {
+            cursor.take_half()
+        };
+        match given {
+            Some(given) => spawn(scope, move |scope, environment| {
                 let clock = Instant::now();
                 slot.output.begin(environment);
-                self.traverse_from(position, half, &mut slot, scope);
+                self.traverse_from(position, given, &mut slot, scope);
                 self.leave(slot, clock);
             }),
             None => self.put(slot),
@@ -262,6 +296,7 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
 
     /// Ends the work of a thread that began at `clock`.
     fn leave(&self, slot: OutputSlot<'r, O>, clock: Instant) {
+        slot.output.finish();
         self.busy.fetch_add(clock.elapsed().as_nanos() as u64, Relaxed);
         self.put(slot);
     }

@@ -185,5 +185,5 @@ fn in_steps(query: &PairBvtt<'_>) -> (Pairs, u32, u32) {
 }
 
 fn tests(cursor: &Cursor) -> u32 {
-    (cursor.work.box_tests + cursor.work.triangle_tests) as u32
+    cursor.work.tests() as u32
 }

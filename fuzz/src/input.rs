@@ -241,9 +241,9 @@ pub struct Crew {
 
 impl Crew {
     pub(crate) fn pool(self) -> Pool {
-        let schedules = [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+        let schedules = [Schedule::Static, Schedule::Hybrid];
         let mut settings = Settings {
-            schedule: schedules[usize::from(self.schedule % 3)],
+            schedule: schedules[usize::from(self.schedule % 2)],
             coherence: self.coherence,
             ..Settings::default()
         };

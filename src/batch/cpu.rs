@@ -5,7 +5,7 @@ use super::job::Job;
 use crate::executor::{Answer, SLICE, Verb, step};
 use crate::memory::push;
 use crate::{Error, TrianglePair};
-use pfront_core::bvtt::{Cursor, Query, Work};
+use pfront_core::bvtt::{Cursor, Query};
 use std::ops::Range;
 
 /// To begin a question costs as much as so many tests.
@@ -39,11 +39,11 @@ impl Steps {
         while budget > 0 && !Range::is_empty(left) {
             let tree = questions[left.start].tree()?;
             let (cursor, answer) = begun.get_or_insert_with(|| (tree.start(), Answer::counted(0)));
-            let before = tests(cursor.work);
+            let before = cursor.work.tests();
             if !step(((), &tree), cursor, budget, *verb, answer, &mut found.pairs)? {
                 break;
             }
-            budget = budget.saturating_sub(tests(cursor.work) - before + BEGIN);
+            budget = budget.saturating_sub(cursor.work.tests() - before + BEGIN);
             let listed = if *verb == Verb::All { answer.count as usize } else { 0 };
             let first = found.pairs.len() - listed;
             found.pairs[first..].sort_unstable();
@@ -53,9 +53,4 @@ impl Steps {
         }
         Ok(Range::is_empty(left))
     }
-}
-
-/// Tests of both kinds.
-fn tests(work: Work) -> u64 {
-    work.box_tests + work.triangle_tests
 }

@@ -81,7 +81,7 @@ impl Executors {
             };
             all.push(FlaggedExecutor::new("hybrid", threads(2, Schedule::Hybrid, 1 << 20)));
             all.push(FlaggedExecutor::new("static", threads(3, Schedule::Static, 12)));
-            all.push(FlaggedExecutor::new("stealing", threads(2, Schedule::Stealing, 64)));
+            all.push(FlaggedExecutor::new("hybrid of few nodes", threads(2, Schedule::Hybrid, 64)));
         }
         #[cfg(feature = "gpu")]
         {

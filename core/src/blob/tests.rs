@@ -3,6 +3,7 @@
 extern crate std;
 
 mod hostile;
+#[cfg(feature = "f64")]
 mod in_f64;
 
 use super::*;

@@ -12,7 +12,8 @@ use crate::Node;
 use crate::aabb::Bounds;
 use crate::{Aabb, Bvh, Mesh};
 
-/// Rebuild a tree once its [`quality()`] is above this many times what it was when built.
+/// Rebuild a tree once its [`quality()`] is above this many times what it was when built. A policy: a query then takes about a
+/// fifth longer than it could.
 ///
 /// # Examples
 /// ```

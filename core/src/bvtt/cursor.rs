@@ -3,7 +3,7 @@
 
 use super::NodePair;
 use crate::bvh::MAX_DEPTH;
-use core::ops::ControlFlow;
+use core::ops::{Add, ControlFlow};
 
 /// Work done, which the cost |n| = m1 + k·m2 of the paper counts (section 2.2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +22,23 @@ impl Work {
     #[must_use]
     pub fn cost(self) -> f64 {
         self.box_tests as f64 + Self::TRIANGLE_COST * self.triangle_tests as f64
+    }
+
+    /// Tests of both kinds, which a budget counts.
+    #[must_use]
+    pub fn tests(self) -> u64 {
+        self.box_tests + self.triangle_tests
+    }
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            box_tests: self.box_tests + other.box_tests,
+            triangle_tests: self.triangle_tests + other.triangle_tests,
+        }
     }
 }
 

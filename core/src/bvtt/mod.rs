@@ -45,7 +45,9 @@ pub use cursor::{Cursor, Work};
 pub use posed_bvh::PosedBvh;
 pub(crate) use query::Estimated;
 pub use query::Query;
-pub use trees::{Bvtt, PairBvtt, SelfBvtt, Shadows};
+#[cfg(feature = "f64")]
+pub use trees::Shadows;
+pub use trees::{Bvtt, PairBvtt, SelfBvtt};
 
 /// A BVTT node: a node of the first BVH and one of the second.
 #[repr(C)]

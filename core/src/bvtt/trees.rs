@@ -61,7 +61,8 @@ pub struct Bvtt<'a, const SELF: bool> {
 }
 
 /// The shadows of two meshes as a query in f64 poses them, for a device that poses them by itself: both into the frame whose
-/// origin is that of the first shadow as it is posed. See [`PairBvtt::shadows`].
+/// origin is that of the first shadow as it is posed. See `PairBvtt::shadows`.
+#[cfg(feature = "f64")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadows {
     /// The poses of both.
@@ -138,6 +139,7 @@ impl<'a> PairBvtt<'a> {
     /// assert!(shadows.error[0] > 0.0 && shadows.error[0] < 1e-5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[cfg(feature = "f64")]
     #[must_use]
     pub fn shadows(&self) -> Option<Shadows> {
         let (error, mut posed) = (self.error()?.to_array(), *self);
@@ -158,7 +160,7 @@ impl<'a> PairBvtt<'a> {
     /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
     /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
     /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
-    /// let query = PairBvtt::in_f64(bvh, bvh, &Pose64::from_translation([0.0, 0.0, 5e-324]))?;
+    /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 1e-45]))?;
     /// assert!(!query.intersects(TrianglePair { a: 0, b: 0 }));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

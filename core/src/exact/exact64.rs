@@ -1,7 +1,9 @@
 //! Signs for points on a grid, which f64 computes without any rounding error.
 //!
 //! Where faces lie flush, many determinants are zero, which no filter certifies. But that is the everyday case of voxels, of
-//! CAD and of welded parts, whose coordinates are mostly small multiples of a power of two.
+//! CAD and of welded parts, whose coordinates are mostly small multiples of a power of two. A query about flush solids of voxels
+//! takes a fifth to a quarter fewer instructions so, and a tenth more where their coordinates are on no grid
+//! (`benches/record/kept.md`).
 //!
 //! # The proof
 //! Let the differences of some points from the first, along one axis, be multiples of u and at most 2^15 u; u differs from

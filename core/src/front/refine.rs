@@ -10,16 +10,19 @@ use crate::Aabb;
 use crate::bvtt::{NodePair, Query};
 use crate::sort::sort;
 
-/// The starting front is the first level of the BVTT with this many overlapping nodes, or the last.
+/// The starting front is the first level of the BVTT with this many overlapping nodes, or the last. A policy: estimates tell little
+/// of fewer, and a small frame has no use for more.
 const STARTING_NODES: usize = 32;
 
-/// The least share of the last frame's cost that must lie in nodes that overlap again for its costs to be used.
+/// The least share of the last frame's cost that must lie in nodes that overlap again for its costs to be used. A
+/// policy: most of it.
 const COHERENT: f64 = 0.5;
 
 /// The least bound, however fine a front is asked for: a split takes about as long as 20 box tests.
 const LEAST_BOUND: f64 = 64.0;
 
-/// A node that the last frame split is split again if it costs at least this share of the bound.
+/// A node that the last frame split is split again if it costs at least this share of the bound. A policy:
+/// costs may halve from frame to frame before a front becomes coarser, so that it does not change with every swing.
 const HYSTERESIS: f64 = 0.5;
 
 /// The grain of a refined front: no node that can be split costs more than 1/g of the mean load of a worker

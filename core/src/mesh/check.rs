@@ -8,7 +8,8 @@ use glam::DVec3;
 /// fit in a `u32`, and a triangle index shares a `u64` with a 33-bit Morton code.
 pub const MAX_TRIANGLES: usize = (1 << 31) - 1;
 
-/// Vertices that are checked between two branches, so that the check compiles to vector instructions.
+/// Vertices that are checked between two branches, so that the check compiles to vector instructions. A policy: many
+/// of these, and few to go through again where one is at fault.
 const AT_ONCE: usize = 256;
 
 pub(super) fn check_environment() -> Result<(), MeshError> {

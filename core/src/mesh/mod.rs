@@ -6,7 +6,7 @@
 mod check;
 #[cfg(feature = "f64")]
 mod shadow;
-#[cfg(test)]
+#[cfg(all(test, feature = "f64"))]
 mod tests;
 
 pub(crate) use check::check_position;
@@ -136,9 +136,9 @@ impl<'a> Mesh<'a> {
     /// # Examples
     /// ```
     /// use pfront_core::Mesh;
-    /// let (points, mut shadow) = ([[0.1_f64; 3]; 3], [[0.0_f32; 3]; 3]);
-    /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
-    /// assert!(mesh.positions().is_none() && mesh.positions_f64().is_some());
+    /// let points = [[0.1; 3]; 3];
+    /// let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// assert!(mesh.positions() == Some(&points[..]) && mesh.positions_f64().is_none());
     /// # Ok::<(), pfront_core::MeshError>(())
     /// ```
     #[must_use]

@@ -51,7 +51,7 @@ impl OneRings<'_> {
     }
 }
 
-/// The most triangles that are linked by comparing all of them with each other.
+/// The most triangles that are linked by comparing all of them with each other. A policy: most vertices of a mesh have six.
 const FEW: usize = 15;
 
 /// The edge that faces a corner, from one vertex to another.

@@ -7,7 +7,6 @@ use crate::Mesh;
 use crate::bvh::{BuildOptions, BvhStorage, Join, Refit, morton, node_bound, refit};
 use crate::bvtt::{Query, SelfBvtt};
 use crate::parallel::FINE;
-use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Bvh, Node};
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use pfront_testkit::MeshData;
@@ -208,6 +207,7 @@ fn parts_certify_what_the_whole_does() {
 
 /// A row that turns less than once, and more than once when its second vertex has moved by less than a step of the shadow,
 /// which a triangle far away makes coarse.
+#[cfg(feature = "f64")]
 #[test]
 fn an_f64_mesh_that_moves_by_less_than_a_step_of_its_shadow_gives_the_true_pairs() {
     let row =
@@ -335,8 +335,10 @@ fn one_rings_of_other_triangles_certify_nothing() {
 }
 
 /// A row that turns a little more than once, in a mesh so large that its shadow knows the y of its corners to 1/16.
+#[cfg(feature = "f64")]
 #[test]
 fn certificates_in_f64_hold_where_those_of_the_shadow_lie() {
+    use crate::triangle::{Adjacency, intersects_in_mesh};
     let row = [
         [0.0, 0.0],
         [0.5, -0.002_5],

@@ -110,7 +110,9 @@ impl Affine {
     /// paddings, contains x. The rest of them is far more than the f64 roundings of A⁻¹ and the products with it. Entries of A⁻¹·B
     /// that are subnormal in f32 lose half the smallest number each, and so less than that per coordinate.
     pub(crate) fn seen_from(&self, own: &Bounds, from: &Self) -> Option<Self> {
+        // A policy: rotations have entries up to 1, and scales so far from it pad more than the view saves.
         const RIGID: f64 = 2.0;
+        // Far from where boxes would overflow.
         const LIMIT: f64 = 1e30;
         let [turn, own_turn] = [from.matrix(), self.matrix()];
         let back = turn.try_inverse()?;

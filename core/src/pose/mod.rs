@@ -30,7 +30,8 @@ use crate::scalar::Scalar;
 
 /// A pose over one type of coordinates: [`Pose`] of meshes with f32 positions, or [`Pose64`].
 ///
-/// `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any finite affine map works.
+/// `rows[i] = [r_i0, r_i1, r_i2, t_i]`, row-major 3×4. It is meant to be rigid, but any finite affine map works. With the
+/// feature `serde` both are stored under the name `Pose`, in formats that store names.
 ///
 /// # Examples
 /// ```

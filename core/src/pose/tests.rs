@@ -280,3 +280,48 @@ fn posed_shadows_are_as_near_to_posed_positions_as_queries_rely_on() {
     // Else these positions would say nothing of the bounds.
     assert!(worst > 0.15 && unposed > 0.02, "{worst} {unposed}");
 }
+
+/// The formulas of f32, in f64: points to 2^-50 of their size where f32 has them to 2^-20.
+#[test]
+fn poses_in_f64_keep_the_digits_of_f64() {
+    let (half, point) = (core::f64::consts::FRAC_1_SQRT_2, [0.1, -0.7, 4.0]);
+    let turn = Pose64::from_rotation_translation([0.0, 0.0, half, half], [1e6, -2e6, 0.1]);
+    let expected = [1e6 + 0.7, -2e6 + 0.1, 4.1];
+    let near = |p: [f64; 3], q: [f64; 3], reach: f64| {
+        assert!((0..3).all(|k| (p[k] - q[k]).abs() <= reach * 2f64.powi(-50)), "{p:?} {q:?}");
+    };
+    near(turn.apply(point), expected, 2e6);
+    let back = turn.inverse().unwrap();
+    near(back.apply(turn.apply(point)), point, 1e7);
+    near((back * turn).apply(point), point, 1e7);
+    assert_eq!((Pose64::IDENTITY * turn, turn * Pose64::IDENTITY), (turn, turn));
+    let [x, y, z] = turn.rows;
+    let columns: [[f64; 4]; 4] = core::array::from_fn(|k| [x[k], y[k], z[k], 0.0]);
+    let matrix: std::vec::Vec<f64> = columns.concat();
+    assert_eq!(Pose64::from_cols_array(&core::array::from_fn(|i| matrix[i])), turn);
+    // Each operation is rounded to f64, and none is fused.
+    let third = Pose64::new([[1.0 / 3.0, 0.1, 0.7, 1e-17], [0.0; 4], [0.0; 4]]);
+    let [x, y, z] = core::hint::black_box([1.0 / 3.0, -0.3, 0.9]);
+    assert_eq!(third.apply([x, y, z])[0], ((1.0 / 3.0 * x + 0.1 * y) + 0.7 * z) + 1e-17);
+    // A pose in f32 has the same entries in f64, in which the point is rounded.
+    let narrow = Pose::new([[0.1, 0.2, 0.3, 0.4], [1.0; 4], [0.0; 4]]);
+    assert_eq!(Pose64::from(narrow).rows, narrow.rows.map(|row| row.map(f64::from)));
+    assert_ne!(Pose64::from(narrow).apply([0.1; 3])[0], f64::from(narrow.apply([0.1; 3])[0]));
+}
+
+#[test]
+fn refuses_what_cannot_be_posed_in_f64() {
+    let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
+    let mut pose = Pose64::IDENTITY;
+    pose.rows[2][0] = f64::NEG_INFINITY;
+    assert_eq!(pose.check(&unit), Err(PoseError::NonFinite { row: 2, column: 0 }));
+    assert_eq!((pose.inverse(), Pose64::new([[0.0; 4]; 3]).inverse()), (None, None));
+    // The limit is that of f32, 2^125, which is not within it.
+    let limit = 2f64.powi(125);
+    let below = limit - 2f64.powi(73);
+    for (t, expected) in [(limit, Err(PoseError::Range { row: 0 })), (below, Ok(()))] {
+        let pose = Pose64::from_translation([t, 0.0, 0.0]);
+        assert_eq!(pose.check(&Aabb::EMPTY), expected, "{t:e}");
+    }
+    assert_eq!(Pose64::from_translation([1e308; 3]).check(&unit), Err(PoseError::Range { row: 0 }));
+}

@@ -16,9 +16,8 @@ use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::one_ring::{OneRings, history_bound, links_bound};
 use pfront_core::triangle::intersects;
-use pfront_core::{Bvh, Mesh, Node, Pose, Pose64};
+use pfront_core::{Bvh, Mesh, Node, Pose};
 use pfront_testkit::MeshData;
-use pfront_testkit::rng::{RngExt, seeded};
 use std::hint::black_box;
 use std::ops::ControlFlow::Continue;
 
@@ -163,8 +162,11 @@ fn queries() {
 }
 
 /// Triangles over few coordinates of any bits, so that many signs need integers as long as there are.
+#[cfg(feature = "f64")]
 #[test]
 fn queries_in_f64() {
+    use pfront_core::Pose64;
+    use pfront_testkit::rng::{RngExt, seeded};
     let mut rng = seeded(5);
     let mut any = || loop {
         let x = f64::from_bits(rng.random());

@@ -9,8 +9,7 @@ use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Scene;
 use std::ops::ControlFlow;
 
-pub(crate) const SCHEDULES: [Schedule; 3] =
-    [Schedule::Static, Schedule::Stealing, Schedule::Hybrid];
+pub(crate) const SCHEDULES: [Schedule; 2] = [Schedule::Static, Schedule::Hybrid];
 
 /// A mesh that owns its BVH.
 pub(crate) struct Body {

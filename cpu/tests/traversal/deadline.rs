@@ -25,7 +25,7 @@ fn frames_end_at_their_deadline() {
             let whole = traversal.count(&[query]).unwrap();
             assert!(whole > 1000 && !traversal.report.late);
             let all = traversal.report.work();
-            let tests = all.box_tests + all.triangle_tests;
+            let tests = all.tests();
             assert!(tests > 50 * SLICE, "{tests}");
 
             traversal.deadline = Some(Instant::now());

@@ -118,8 +118,8 @@ fn others_take_what_a_slow_thread_has_left() {
         assert!(shares.filter(|share| share.work.box_tests > 100).count() > 1, "{schedule:?}");
         slow.into_inner()
     });
-    let [alone, stealing, hybrid] = hits_of_one;
-    assert!(4 * stealing < alone && 4 * hybrid < alone, "{hits_of_one:?}");
+    let [alone, hybrid] = hits_of_one;
+    assert!(4 * hybrid < alone, "{hits_of_one:?}");
 }
 
 /// A front as coarse or as fine as can be, but none that takes for ever.
@@ -150,7 +150,7 @@ fn ten_thousand_frames() {
         // Mostly onwards, at times elsewhere.
         let jumps = rng.random_bool(1.0 / 16.0);
         let i = if jumps { rng.random_range(0..queries.len()) } else { frame % queries.len() };
-        let traversal = &mut traversals[frame % 3];
+        let traversal = &mut traversals[frame % 2];
         match rng.random_range(0..4) {
             0 => assert_eq!(traversal.count(&[queries[i]]).unwrap(), expected[i].len() as u64),
             1 => {

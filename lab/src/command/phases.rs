@@ -38,7 +38,7 @@ pub(crate) struct Phases {
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
     /// How frames are divided
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "static,stealing,hybrid")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "static,hybrid")]
     schedule: Vec<Divided>,
     /// Milliseconds before each frame in which nothing is done, so that threads fall asleep
     #[arg(long, value_name = "MS", default_value_t = 0)]
@@ -51,7 +51,6 @@ pub(crate) struct Phases {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Divided {
     Static,
-    Stealing,
     Hybrid,
 }
 
@@ -59,7 +58,6 @@ impl From<Divided> for Schedule {
     fn from(divided: Divided) -> Self {
         match divided {
             Divided::Static => Self::Static,
-            Divided::Stealing => Self::Stealing,
             Divided::Hybrid => Self::Hybrid,
         }
     }

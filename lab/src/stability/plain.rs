@@ -143,8 +143,7 @@ impl Plain {
             *self.last.entry(node.sprouted_from).or_default() += 1.0 + work.cost();
             let share = &mut self.report.shares[part];
             share.predicted += node.cost;
-            share.work.box_tests += work.box_tests;
-            share.work.triangle_tests += work.triangle_tests;
+            share.work = share.work + work;
         }
         out.sort_unstable();
     }

@@ -17,9 +17,13 @@ pub(super) fn after(bytes: &[u8], change: impl FnOnce(&mut [u8])) -> Option<Blob
         Ok(blob) => blob,
         Err(error) => return Some(error),
     };
-    let mut exact = vec![[0.0; 3]; blob.counts().positions_f64];
     let mut room = Owned::room(blob.counts());
+    #[cfg(feature = "f64")]
+    let mut exact = vec![[0.0; 3]; blob.counts().positions_f64];
+    #[cfg(feature = "f64")]
     let copied = blob.read_into_f64(room.storage(), &mut exact, &mut [0; 4]).err();
+    #[cfg(not(feature = "f64"))]
+    let copied = blob.read_into(room.storage(), &mut [0; 4]).err();
     let place = aligned(&bytes);
     let borrowed = Blob::new(&place.0[..bytes.len()]).unwrap().bvh(&mut [0; 4]).err();
     if blob.is_f64() {

@@ -7,7 +7,7 @@ use crate::bvh::TO_BITS;
 use crate::parallel::{GRAIN, Join, both};
 use glam::Vec3A;
 
-/// Bins per axis of a large run.
+/// Bins per axis of a large run, as in Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007).
 const MAX_BINS: usize = 16;
 
 /// Maps centres to bins.

@@ -11,16 +11,19 @@ use core::iter::once;
 use core::mem::replace;
 use core::ops::Range;
 
+/// Two digits of 10 bits, whose counters take 4 KiB, and one of the 7 bits that are left of a code.
 const DIGIT_BITS: u32 = 10;
 const DIGITS: usize = 1 << DIGIT_BITS;
 const BUCKET_BITS: u32 = 7;
 const BUCKETS: usize = 1 << BUCKET_BITS;
+/// Runs of keys, of which each may have a thread. A policy: their counters take 8 KiB of stack.
 const RUNS: usize = 16;
 
 /// The bits that keys are sorted by.
 pub(super) const BITS: u32 = 2 * DIGIT_BITS + BUCKET_BITS;
 
-/// The most keys for which counting digits does not pay.
+/// The most keys for which counting digits does not pay: to insert each moves a quarter of their square, as many as a digit has
+/// counters.
 const FEW: usize = 64;
 
 /// Sorts distinct keys, which are in ascending order of their lowest `lowest` bits, by the [`BITS`] above. Moves them to

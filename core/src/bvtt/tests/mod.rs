@@ -3,6 +3,7 @@
 extern crate std;
 
 mod blocks;
+#[cfg(feature = "f64")]
 mod in_f64;
 mod queries;
 mod steps;

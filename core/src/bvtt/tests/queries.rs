@@ -80,8 +80,7 @@ fn in_halves(query: &impl Query, budget: u64) -> Vec<TrianglePair> {
             cursors.push(half);
         }
         if cursor.is_done() {
-            work.box_tests += cursor.work.box_tests;
-            work.triangle_tests += cursor.work.triangle_tests;
+            work = work + cursor.work;
         } else {
             cursors.push(cursor);
         }

@@ -2,7 +2,7 @@
 
 extern crate std;
 
-use super::super::{Cursor, PairBvtt, Query, SelfBvtt, TrianglePair, Work};
+use super::super::{PairBvtt, Query, SelfBvtt, TrianglePair, Work};
 use super::{at_one_go, with_certificates};
 use crate::bvh::MAX_DEPTH;
 use crate::bvh::tests::Owned;
@@ -17,11 +17,6 @@ use std::vec::Vec;
 /// The tests by which a step may exceed its budget: box tests come up to 16 at a time.
 const OVERSHOOT: u64 = 16;
 
-fn tests(cursor: &Cursor) -> u64 {
-    let Work { box_tests, triangle_tests } = cursor.work;
-    box_tests + triangle_tests
-}
-
 /// Asks in steps, each with a budget and a visitor that breaks after as many pairs as a page takes. Checks each step,
 /// and that the whole is what the query does at one go. Returns the tests of the longest step.
 pub(super) fn in_steps(
@@ -33,12 +28,12 @@ pub(super) fn in_steps(
     let mut steps = steps.into_iter();
     while !cursor.is_done() {
         let (budget, page) = steps.next().unwrap();
-        let (before, found) = (tests(&cursor), pairs.len());
+        let (before, found) = (cursor.work.tests(), pairs.len());
         let flow = query.step(&mut cursor, budget, |pair| {
             pairs.push(pair);
             if pairs.len() - found == page { Break(()) } else { Continue(()) }
         });
-        let done = tests(&cursor) - before;
+        let done = cursor.work.tests() - before;
         assert_eq!(flow.is_break(), pairs.len() - found == page);
         assert!(done <= budget.saturating_add(OVERSHOOT), "{done} tests for {budget}");
         longest = longest.max(done);
@@ -52,7 +47,7 @@ pub(super) fn in_steps(
 /// Asks with each budget; for those that the query is large enough for, the bound is tight.
 fn with_each_budget(query: &impl Query) {
     let whole = at_one_go(query);
-    let all = whole.1.box_tests + whole.1.triangle_tests;
+    let all = whole.1.tests();
     for budget in [1, 10, 1000] {
         let longest = in_steps(query, &whole, core::iter::repeat((budget, usize::MAX)));
         let bound = budget + OVERSHOOT;
