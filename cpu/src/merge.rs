@@ -37,7 +37,7 @@ pub(crate) fn merge<T: Item>(
         lists.first_mut().into_iter().for_each(|list| sort(out, &mut list.scratch, T::key));
         return Ok(());
     }
-    // Those of threads that had them in their cache are.
+    // Threads of a divided frame have sorted theirs.
     if lists.iter().any(|list| list.sorted < list.items.len()) {
         pool.for_each(&mut *lists, Output::finish);
     }
