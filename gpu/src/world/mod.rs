@@ -32,6 +32,9 @@ use wgpu::{Buffer, CommandEncoder};
 /// and the passes pose what they test. A scene has its bodies here, and a batch of poses of two meshes is a body for
 /// each pose. The caller finds the pairs of bodies that may meet, by a broad phase over their boxes.
 ///
+/// For two meshes take a [`GpuQuery`](crate::GpuQuery): a world of two bodies answers the same in 1.3 to 1.6 times as long, since the
+/// commands of a query are recorded ahead and its one pose is a parameter (`benches/record/gpu.md`).
+///
 /// # Memory
 /// On the device, 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size) for each mesh; 12
 /// a vertex and about 9 a node more if it deforms; 196 for each pair of the largest question, of which at most 65,535 are
