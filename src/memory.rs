@@ -62,13 +62,6 @@ pub(crate) fn copy<T: Copy>(items: &[T]) -> Result<Vec<T>, Error> {
     Ok(list)
 }
 
-#[cfg(feature = "threads")]
-impl From<crate::threads::MemoryError> for Error {
-    fn from(error: crate::threads::MemoryError) -> Self {
-        Self::Memory { needed: error.needed }
-    }
-}
-
 #[cold]
 fn grow<T>(list: &mut Vec<T>, additional: usize) -> Result<(), Error> {
     let needed = list.len().saturating_add(additional).saturating_mul(size_of::<T>());

@@ -59,11 +59,15 @@
 // 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; `cpu/src/output.rs` merges the lists.
 // 6. `scene/cache.rs` completes the new hits with those of bodies that have not changed.
 //
-// On a GPU, steps 3 to 5 are others. `executor/gpu/` is for pairs, batches and tickets, and not on this way.
-// 3. `SceneFrame::on_gpu` in `scene/frame.rs` has `scene/device.rs` bring bodies that have changed into a `World` of pfront-gpu.
-// 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, whose rows `gpu/src/world/pairs.rs` makes, and
-//    reads them in turn; `gpu/src/runner.rs` answers each in one run, or in parts if its lists are full.
-// 5. `Engine::dispatch` in `gpu/src/engine.rs` has the dispatches of a run, one shader in `shaders/wgsl` each.
+// On a GPU, steps 3 to 5 are others. Of `executor/gpu/`, which is for pairs, batches and tickets, only `Device` is on this way.
+// 3. `SceneFrame::on_gpu` in `scene/frame.rs` has `scene/device.rs` bring bodies that have changed into a `World` of pfront-gpu; pairs of
+//    bodies that no GPU answers about are asked on the CPU, and the lists merged.
+// 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, mostly one: `pairs.rs` makes a row of each, with
+//    the poses that `placing.rs` computes, and `arena.rs` has the meshes.
+// 5. `gpu/src/runner.rs` answers a chunk in one run, or in parts if its lists are full. `Engine::dispatch` in `gpu/src/engine.rs` has the
+//    dispatches of a run, by the shaders in `shaders/wgsl/passes`.
+// 6. The way back: `results.rs` copies and reads, `Runner::take` decides on the CPU what the device has not, and `world/answer.rs` makes
+//    triangles of ids. Hits are sorted, since ids follow the order of the pairs of bodies.
 mod answer;
 mod cancel;
 mod choice;

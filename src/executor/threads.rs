@@ -5,7 +5,7 @@ use crate::Error;
 use crate::memory::{extend, push, reserve};
 pub(super) use crate::threads::Pool;
 use crate::threads::rayon::{Yield, yield_now};
-use crate::threads::{Hit, Report, Schedule, Traversal};
+use crate::threads::{Hit, MemoryError, Report, Schedule, Traversal};
 use pfront_core::bvtt::AnyBvtt;
 use std::mem::take;
 use std::slice::from_ref;
@@ -40,6 +40,12 @@ impl From<Pool> for Executor {
         let is_static = pool.settings.schedule == Schedule::Static;
         let pool = Some(if is_static { pool } else { pool.measured() });
         Self { pool, ..Self::default() }
+    }
+}
+
+impl From<MemoryError> for Error {
+    fn from(error: MemoryError) -> Self {
+        Self::Memory { needed: error.needed }
     }
 }
 

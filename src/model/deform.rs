@@ -292,13 +292,12 @@ impl Positions for f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    #[cfg(feature = "threads")]
-    use crate::model::passes::THREADS;
     use pfront_testkit::scenes::icosphere;
 
     #[cfg(feature = "threads")]
     #[test]
     fn a_fault_in_the_last_part_changes_nothing() {
+        use crate::model::passes::THREADS;
         let ball = icosphere(40_000);
         let mut model = Model::new(ball.positions.clone(), ball.triangles).unwrap();
         let certified = |model: &Model| -> Vec<bool> {

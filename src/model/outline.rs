@@ -106,37 +106,4 @@ mod tests {
         }
         assert!(!moving.is_fitted());
     }
-
-    #[cfg(feature = "gpu")]
-    #[test]
-    fn queries_on_a_gpu_fit_no_bvh_and_make_no_certificates() {
-        use crate::{Executor, SelfQuery};
-        let gpu = crate::gpu::Gpu::new().unwrap();
-        let executor = Executor::gpu(&gpu, gpu.settings());
-        let (still, mut moving) = (model(), model());
-        let (mut query, mut within) =
-            (PairQuery::new().on(&executor), SelfQuery::new().on(&executor));
-        // The first question brings the BVH there.
-        query.count(&still, &moving, Pose::IDENTITY).unwrap();
-        for frame in 1..4 {
-            moving.set_positions_unfitted(&ball(1.0 + 0.01 * frame as f32).0).unwrap();
-            let mut fitted = moving.clone();
-            fitted.fit();
-            let bytes = moving.bytes();
-            for pose in [
-                AnyPose::F32(Pose::from_translation([0.3, 0.1, 0.0])),
-                AnyPose::F64(Pose64::from_translation([0.3, 0.1, 0.0])),
-            ] {
-                let mut truth = PairQuery::new();
-                let expected = truth.contacts(&still, &fitted, pose).unwrap();
-                assert!(!expected.is_empty());
-                assert_eq!(query.contacts(&still, &moving, pose).unwrap(), expected);
-                assert!(query.any(&still, &moving, pose).unwrap().is_some());
-                query.forget();
-                assert_eq!(query.count(&still, &moving, pose).unwrap(), expected.len() as u64);
-            }
-            assert!(within.contacts(&moving).unwrap().is_empty());
-            assert!(!moving.is_fitted() && moving.bytes() == bytes, "frame {frame}");
-        }
-    }
 }

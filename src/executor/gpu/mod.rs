@@ -98,7 +98,7 @@ impl Executor {
 mod tests {
     use crate::executor::choice::Line;
     use crate::executor::{Backend, Reason};
-    use crate::{Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+    use crate::{AnyPose, Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery};
 
     /// A CPU and a GPU that promises to be faster. Lavapipe is slower than the CPU that it runs on, so that queries change
     /// to it and back.
@@ -198,6 +198,39 @@ mod tests {
         for parity in 0..2 {
             let of = |backend| seen.iter().skip(parity).step_by(2).any(|&one| one == backend);
             assert!(of(Backend::Sequential) && of(Backend::Gpu), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn queries_on_a_gpu_fit_no_bvh_and_make_no_certificates() {
+        let gpu = crate::gpu::Gpu::new().unwrap();
+        let executor = Executor::gpu(&gpu, gpu.settings());
+        let (still, mut moving) = (ball(), ball());
+        let scaled =
+            |by: f32| still.mesh().shadow().iter().map(|p| p.map(|x| by * x)).collect::<Vec<_>>();
+        let (mut query, mut within) =
+            (PairQuery::new().on(&executor), SelfQuery::new().on(&executor));
+        // The first question brings the BVH there.
+        query.count(&still, &moving, Pose::IDENTITY).unwrap();
+        for frame in 1..4 {
+            moving.set_positions_unfitted(&scaled(1.0 + 0.01 * frame as f32)).unwrap();
+            let mut fitted = moving.clone();
+            fitted.fit();
+            let bytes = moving.bytes();
+            for pose in [
+                AnyPose::F32(Pose::from_translation([0.3, 0.1, 0.0])),
+                AnyPose::F64(Pose64::from_translation([0.3, 0.1, 0.0])),
+            ] {
+                let mut truth = PairQuery::new();
+                let expected = truth.contacts(&still, &fitted, pose).unwrap();
+                assert!(!expected.is_empty());
+                assert_eq!(query.contacts(&still, &moving, pose).unwrap(), expected);
+                assert!(query.any(&still, &moving, pose).unwrap().is_some());
+                query.forget();
+                assert_eq!(query.count(&still, &moving, pose).unwrap(), expected.len() as u64);
+            }
+            assert!(within.contacts(&moving).unwrap().is_empty());
+            assert!(!moving.is_fitted() && moving.bytes() == bytes, "frame {frame}");
         }
     }
 }
