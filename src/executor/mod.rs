@@ -59,7 +59,7 @@
 // 5. The traversal that each thread runs is `core/src/bvtt/traversal.rs`; `cpu/src/output.rs` merges the lists.
 // 6. `scene/cache.rs` completes the new hits with those of bodies that have not changed.
 //
-// On a GPU, steps 3 to 5 are others. Of `executor/gpu/`, which is for pairs, batches and tickets, only `Device` is on this way.
+// On a GPU, steps 3 to 5 are others. Only `Device` of `executor/gpu/` is on this way: the rest is for pairs, batches and tickets.
 // 3. `SceneFrame::on_gpu` in `scene/frame.rs` has `scene/device.rs` bring bodies that have changed into a `World` of pfront-gpu; pairs of
 //    bodies that no GPU answers about are asked on the CPU, and the lists merged.
 // 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, mostly one: `pairs.rs` makes a row of each, with

@@ -333,7 +333,8 @@ impl World {
         Ok(&self.found)
     }
 
-    /// Waits for the chunks of the question that was submitted, has the results of each taken, and submits the next: with the pairs of bodies, the number of the first of the chunk, and the bits of an id within a block.
+    /// Waits for the chunks of the question that was submitted, has the results of each taken, and submits the next. `take` gets
+    /// the pairs of bodies, the number of the first of the chunk, and the bits of an id within a block.
     fn finish(
         &mut self,
         mut take: impl FnMut(
