@@ -186,9 +186,9 @@ impl Frame for SubjectFrame<'_, '_> {
     fn on_gpu(
         &mut self,
         device: &Device,
-        _: &mut CpuHistory<()>,
+        cpu: &mut CpuHistory<()>,
         verb: Verb,
     ) -> Result<Answer<TrianglePair>, Error> {
-        self.mirrors.ask(device, self.subject, verb, self.pairs)
+        self.mirrors.ask(device, self.subject, cpu.cancel(), verb, self.pairs)
     }
 }

@@ -27,12 +27,23 @@ fn executors() -> [Executor; 2] {
     [Executor::sequential(), Executor::threads(2)]
 }
 
+/// A GPU, if there is to be one.
+fn gpu() -> Option<Executor> {
+    #[cfg(feature = "gpu")]
+    {
+        let gpu = pfront::gpu::Gpu::new().unwrap();
+        Some(Executor::gpu(&gpu, gpu.settings()))
+    }
+    #[cfg(not(feature = "gpu"))]
+    None
+}
+
 #[test]
 fn a_cancelled_query_returns_soon_and_the_next_one_is_complete() {
     let model = Arc::new(heap());
     let count = PairQuery::new().count(&model, &model, Pose::IDENTITY).unwrap();
     assert!(count > 1_000_000, "{count}");
-    for executor in executors() {
+    for executor in executors().into_iter().chain(gpu()) {
         let flag = Arc::new(AtomicBool::new(false));
         let executor = executor.with_cancel(flag.clone());
         let (mut pairs, mut own) = (PairQuery::new().on(&executor), SelfQuery::new().on(&executor));

@@ -82,6 +82,11 @@ impl<N: Copy + Ord> CpuHistory<N> {
         Self { threads: executor.pool.as_ref().map(threads), cancel }
     }
 
+    /// The flag that ends its questions early.
+    pub(crate) fn cancel(&self) -> Option<&Arc<AtomicBool>> {
+        self.cancel.as_ref()
+    }
+
     /// Counts and times of the last frame on threads.
     #[cfg(feature = "threads")]
     pub(crate) fn report(&self) -> Option<&crate::threads::Report> {

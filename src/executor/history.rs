@@ -219,7 +219,7 @@ impl<N: Copy + Ord> History<N> {
         answer
     }
 
-    /// The answer of a GPU, which nothing ends early.
+    /// The answer of a GPU, which may have seen the flag too late.
     fn unless_cancelled<T>(&self, answer: T) -> Result<T, Error> {
         let is_set = self.executor.cancel_flag().is_some_and(|flag| flag.load(Relaxed));
         if is_set { Err(Error::Cancelled) } else { Ok(answer) }

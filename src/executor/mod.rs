@@ -144,8 +144,8 @@ impl Executor {
     }
 
     /// The same with a flag that ends its queries early: as soon as it is true they return [`Error::Cancelled`](crate::Error)
-    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. A build or a
-    /// refit of a BVH is not interrupted, nor is a GPU; batches have tickets for that. Nobody but the caller clears the flag. It
+    /// within some 0.1 ms of traversal, on one thread and on several, and keep nothing of that frame. Nobody waits for what a GPU
+    /// is at, and nothing more goes there. A build or a refit of a BVH is not interrupted. Nobody but the caller clears the flag. It
     /// ends nothing if it is cleared before a traversal has seen it; no query returns a part of an answer.
     ///
     /// # Examples

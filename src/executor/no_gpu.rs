@@ -56,6 +56,7 @@ impl NoMirrors {
         &mut self,
         device: &Device,
         _: &Subject<&Model>,
+        _: Option<&Arc<AtomicBool>>,
         _: Verb,
         _: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {

@@ -12,6 +12,8 @@ use crate::memory::{extend, push};
 use crate::{AnyPose, Error, Model, Pose, Stamp};
 use pfront_core::bvtt::TrianglePair;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 #[derive(Debug, Default)]
 pub(super) struct DeviceScene {
@@ -74,6 +76,7 @@ impl DeviceScene {
         &mut self,
         device: &Device,
         frame: &BodyPairs<'_>,
+        cancel: Option<&Arc<AtomicBool>>,
         verb: Verb,
         hits: &mut Vec<SceneHit>,
     ) -> Result<Answer<SceneHit>, Error> {
@@ -90,6 +93,7 @@ impl DeviceScene {
         };
         scene.bring(frame.bodies)?;
         let Scene { world, pairs, .. } = &mut **scene;
+        world.set_cancel(cancel.cloned());
         pairs.clear();
         for pair in frame.pairs() {
             push(pairs, pair)?;

@@ -65,10 +65,10 @@ impl Frame for SceneFrame<'_> {
         verb: Verb,
     ) -> Result<Answer<SceneHit>, Error> {
         if self.pairs.bodies.are_all_of_gpu() {
-            return self.device.ask(device, &self.pairs, verb, self.hits);
+            return self.device.ask(device, &self.pairs, cpu.cancel(), verb, self.hits);
         }
         let whole = self.pairs;
-        let own = self.device.ask(device, &whole.of_gpu(true), verb, self.hits)?;
+        let own = self.device.ask(device, &whole.of_gpu(true), cpu.cancel(), verb, self.hits)?;
         if own.first.is_some() && verb == Verb::Any {
             return Ok(own);
         }

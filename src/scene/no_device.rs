@@ -5,6 +5,8 @@ use super::hit::SceneHit;
 use super::pairs::BodyPairs;
 use crate::Error;
 use crate::executor::{Answer, Device, Verb};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Has no body.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +23,7 @@ impl NoDeviceScene {
         &mut self,
         device: &Device,
         _: &BodyPairs<'_>,
+        _: Option<&Arc<AtomicBool>>,
         _: Verb,
         _: &mut Vec<SceneHit>,
     ) -> Result<Answer<SceneHit>, Error> {

@@ -8,7 +8,7 @@ use crate::executor::{Answer, Verb};
 use crate::gpu::{Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb};
 use crate::memory::push;
 use crate::{Error, Model, TrianglePair};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Parts of tickets that are submitted at a time, each into lists of its own: the device works on one while another is read.
@@ -109,19 +109,28 @@ impl Device {
     pub(crate) fn ask(
         &self,
         question: &GpuQuestion<'_>,
+        cancel: Option<&Arc<AtomicBool>>,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
         intersects: impl Fn(TrianglePair) -> bool,
     ) -> Result<Answer<TrianglePair>, Error> {
         let mut query = self.lend()?;
-        query.submit(question, verb.into())?;
-        let answer = read(&mut query, verb, pairs)?;
-        let answer = match query.open() {
-            [] => answer,
-            _ => merge_open(&query, verb, answer, pairs, intersects)?,
+        query.set_cancel(cancel.cloned());
+        let ask = || {
+            query.submit(question, verb.into())?;
+            let answer = read(&mut query, verb, pairs)?;
+            match query.open() {
+                [] => Ok(answer),
+                _ => merge_open(&query, verb, answer, pairs, intersects),
+            }
         };
-        self.take_back([query]);
-        Ok(answer)
+        let answer = ask();
+        // After another error nothing is known of the lists.
+        if matches!(answer, Ok(_) | Err(Error::Cancelled)) {
+            query.set_cancel(None);
+            self.take_back([query]);
+        }
+        answer
     }
 }
 

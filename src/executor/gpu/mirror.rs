@@ -7,6 +7,7 @@ use crate::subject::Subject;
 use crate::{Error, Model, Stamp, TrianglePair};
 use pfront_core::bvh::BuildOptions;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// One model or two, of which the second may be the first.
 #[derive(Debug, Default)]
@@ -48,6 +49,7 @@ impl Mirrors {
         &mut self,
         device: &Device,
         subject: &Subject<&Model>,
+        cancel: Option<&Arc<AtomicBool>>,
         verb: Verb,
         pairs: &mut Vec<TrianglePair>,
     ) -> Result<Answer<TrianglePair>, Error> {
@@ -56,7 +58,7 @@ impl Mirrors {
         let in_f64 = subject.in_f64(&outlines)?;
         let question = subject.question(models, in_f64.as_ref());
         let intersects = |pair| in_f64.as_ref().is_some_and(|tree| tree.intersects(pair));
-        device.ask(&question, verb, pairs, intersects)
+        device.ask(&question, cancel, verb, pairs, intersects)
     }
 
     /// Brings models there, and returns them.
