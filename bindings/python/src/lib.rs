@@ -37,6 +37,7 @@ mod _pfront {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.setattr("__version__", env!("CARGO_PKG_VERSION"))?;
         load(module.py())
     }
 

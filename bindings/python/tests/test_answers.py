@@ -351,3 +351,51 @@ def test_small_integers_agree_in_both_precisions(points):
     assert np.array_equal(pf.pairs(mesh), pf.pairs(apart)) and np.array_equal(pf.pairs(mesh, mesh), pf.pairs(apart, apart))
     transposed = pf.pairs(mesh, mesh)[:, ::-1]
     assert np.array_equal(transposed[np.lexsort(transposed.T[::-1])], pf.pairs(mesh, mesh))
+
+
+def test_names_wherever_ids_are():
+    scene, box = pf.Scene(), pf.Mesh(*pf._box())
+    lid, _ = scene.add(box, name="lid"), scene.add(box, name="jar")
+    twins = scene.add(box, np.stack([placed(x=9), placed(x=19)]), name="twin")
+    assert scene.names(scene.intersecting_bodies()) == [["lid", "jar"]]
+    assert scene.names(lid) == "lid" and scene.names([lid, twins[0]]) == ["lid", "twin"] and scene.names([]) == []
+    scene.ignore("lid", "jar")
+    assert not scene.collides()
+    scene.ignore("lid", "jar", False)
+    scene.set_poses(["lid", "jar"], np.stack([placed(x=30), placed(x=40)]))
+    assert not scene.collides()
+    scene.set_poses("lid", placed(x=40))
+    assert scene.user_ids("jar") == 1 and scene.user_ids(["jar", "lid"]).tolist() == [1, 0]
+    scene.set_mesh("lid", box.with_vertices(box.vertices * 3 + 1))
+    assert scene.count() > 0
+    scene.remove("lid")
+    with pytest.raises(pf.StaleBody, match="no body of the scene has the name 'lid'"):
+        scene.remove("lid")
+    with pytest.raises(ValueError, match="2 bodies have the name 'twin': give their ids"):
+        scene.set_poses("twin", placed())
+    scene.remove(twins[0])
+    scene.remove("twin")
+    assert len(scene) == 1
+
+
+def test_rows_and_columns_of_hits():
+    scene, box = pf.Scene(), pf.Mesh(*pf._box())
+    first, second, third = scene.add(box), scene.add(box), scene.add(box)
+    hits, found = scene.pairs(), scene.contacts()
+    chosen = hits[hits.bodies[:, 1] == third]
+    assert 0 < len(chosen) < len(hits) and set(chosen.bodies[:, 0]) == {first, second}
+    assert np.array_equal(hits[2:5].pairs, hits.pairs[2:5])
+    with pytest.raises(TypeError, match="hits are selected by slices"):
+        hits[3]
+    columns = hits.to_dict()
+    assert list(columns) == ["body_a", "body_b", "face_a", "face_b"]
+    assert np.array_equal(np.stack([columns["face_a"], columns["face_b"]], 1), hits.pairs)
+    columns = found.to_dict()
+    assert list(columns)[:4] == ["body_a", "body_b", "face_a", "face_b"] and len(columns["x1"]) == len(found)
+    assert np.array_equal(np.stack([columns["x1"], columns["y1"], columns["z1"]], 1), found.segments[:, 1])
+
+
+def test_the_version_is_that_of_the_package():
+    from importlib.metadata import version
+
+    assert pf.__version__ == version("pfront")

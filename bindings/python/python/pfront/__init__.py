@@ -18,6 +18,7 @@ from typing import Any
 from . import compat
 from ._errors import BlobError, DeviceError, MeshError, PoseError, StaleBody
 from ._mesh import Mesh, bodies, load
+from ._pfront import __version__ as __version__
 from ._questions import Contacts, Part, Ragged, collides, contacts, count, pairs, part, sweep
 from ._scene import Hits, Scene, SceneContacts
 from ._settings import devices, explain, using

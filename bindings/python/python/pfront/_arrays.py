@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["array", "integer"]
+__all__ = ["array", "integer", "rows"]
 
 
 def array(values: Any, what: str) -> npt.NDArray[Any]:
@@ -31,3 +31,10 @@ def integer(value: Any, what: str) -> int:
         return operator.index(value)
     except TypeError:
         raise TypeError(f"{what} is an integer, not {type(value).__name__}") from None
+
+
+def rows(index: Any, what: str) -> Any:
+    """An index that selects rows: a slice, a mask or an array of indices."""
+    if isinstance(index, (int, np.integer)):
+        raise TypeError(f"{what} are selected by slices, masks and arrays of indices: [{index} : {index + 1}]")
+    return index

@@ -14,6 +14,8 @@ _Pairs = npt.NDArray[np.uint32]
 _Ids = npt.NDArray[np.int64]
 _Contacts = tuple[_Pairs, _Array, npt.NDArray[np.float32], npt.NDArray[np.bool_]]
 
+__version__: str
+
 @final
 class Executor:
     def __new__(cls, threads: int, device: str | None) -> Executor: ...

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._arrays import integer
+from ._arrays import integer, rows
 from ._errors import PoseError
 from ._mesh import Mesh
 from ._poses import Pose, matrix
@@ -102,9 +102,21 @@ class Contacts:
 
     def __getitem__(self, index: Any) -> Any:
         """The contacts that a slice, a mask or an array of indices selects, as ``found[~found.flat]``."""
-        if isinstance(index, (int, np.integer)):
-            raise TypeError(f"contacts are selected by slices, masks and arrays of indices: found[{index} : {index + 1}]")
+        index = rows(index, "contacts")
         return type(self)(*(getattr(self, field.name)[index] for field in fields(self)))
+
+    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+        """Columns by their names, as ``pandas.DataFrame(found.to_dict())`` takes them: faces, both end points, and `flat`.
+
+        Examples
+        --------
+        >>> import pfront as pf
+        >>> box = pf.Mesh(*pf._box())
+        >>> list(pf.contacts(box, box).to_dict())
+        ['face_a', 'face_b', 'x0', 'y0', 'z0', 'x1', 'y1', 'z1', 'flat']
+        """
+        points = {f"{axis}{end}": self.segments[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
+        return {"face_a": self.pairs[:, 0], "face_b": self.pairs[:, 1], **points, "flat": self.flat}
 
     def polylines(self) -> Ragged:
         """Chain the segments at end points that are equal to the bit.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._arrays import array, integer
+from ._arrays import array, integer, rows
 from ._errors import StaleBody
-from ._mesh import Mesh
+from ._mesh import Mesh, bodies
 from ._poses import Pose
 from ._questions import Contacts
 from ._settings import current
@@ -41,6 +42,24 @@ class Hits:
     def __repr__(self) -> str:
         return f"Hits({len(self)} pairs)"
 
+    def __getitem__(self, index: Any) -> Hits:
+        """The hits that a slice, a mask or an array of indices selects, as ``hits[hits.bodies[:, 0] == table]``."""
+        return Hits(self.bodies[rows(index, "hits")], self.pairs[index])
+
+    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+        """Columns by their names, as ``pandas.DataFrame(hits.to_dict())`` takes them.
+
+        Examples
+        --------
+        >>> import pfront as pf
+        >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
+        >>> _ = scene.add(box), scene.add(box)
+        >>> list(scene.pairs()[:1].to_dict())
+        ['body_a', 'body_b', 'face_a', 'face_b']
+        """
+        faces = {"face_a": self.pairs[:, 0], "face_b": self.pairs[:, 1]}
+        return {"body_a": self.bodies[:, 0], "body_b": self.bodies[:, 1], **faces}
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SceneContacts(Contacts):
@@ -54,12 +73,17 @@ class SceneContacts(Contacts):
 
     bodies: npt.NDArray[np.int64]
 
+    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+        """Columns by their names: those of `Contacts.to_dict`, after ``body_a`` and ``body_b``."""
+        return {"body_a": self.bodies[:, 0], "body_b": self.bodies[:, 1], **super().to_dict()}
+
 
 class Scene:
     """Bodies, each a mesh in a pose, that are added, moved and removed between questions.
 
     Every vertex is posed into the world, so that `pose` here is ``world_from_body``. What has not moved since the last
-    `pairs` or `contacts` is not asked again.
+    `pairs` or `contacts` is not asked again. Wherever a method takes the id of a body it takes its name too, if that is a str and no
+    other body has it.
 
     Examples
     --------
@@ -69,18 +93,38 @@ class Scene:
     >>> table = scene.add(box, name="table")
     >>> pose[2, 3] = 1  # stands on it
     >>> cup = scene.add(box, pose, name="cup")
-    >>> [[scene.name(i) for i in two] for two in scene.intersecting_bodies()]
+    >>> scene.names(scene.intersecting_bodies())
     [['table', 'cup']]
-    >>> scene.ignore(table, cup)
+    >>> scene.ignore("table", "cup")
     >>> scene.collides()
     False
     """
 
-    __slots__ = ("_scene", "_names")
+    __slots__ = ("_scene", "_names", "_named")
 
     def __init__(self) -> None:
         self._scene = _pfront.Scene()
         self._names: dict[int, Hashable] = {}
+        # The ids of the bodies of each name.
+        self._named: dict[Hashable, list[int]] = {}
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str]) -> Scene:
+        """Make a scene of the bodies of a file, by their names, where its coordinates put them: see `bodies`.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, pfront as pf
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "two.obj")
+        >>> _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 0 1 0\\no lid\\nf 1 2 3\\no box\\nf 3 2 1\\n")
+        >>> scene = pf.Scene.from_file(path)
+        >>> scene.names(scene.intersecting_bodies())
+        [['lid', 'box']]
+        """
+        scene = cls()
+        for name, mesh in bodies(path).items():
+            scene.add(mesh, name=name)
+        return scene
 
     def add(
         self, mesh: Any, pose: Pose = None, *, name: Hashable = None, user_id: Any = None, itself: bool = False
@@ -109,18 +153,43 @@ class Scene:
         user_ids = None if user_id is None else _user_ids(user_id)
         body = self._scene.add(_mesh(mesh), pose, user_ids, bool(itself))
         if name is not None:
-            self._names.update(dict.fromkeys(np.atleast_1d(body).tolist(), name))
+            ids = np.atleast_1d(body).tolist()
+            self._names.update(dict.fromkeys(ids, name))
+            self._named.setdefault(name, []).extend(ids)
         return body
 
-    def remove(self, body: int) -> None:
+    def remove(self, body: int | str) -> None:
         """Take a body out; one that is not there raises `StaleBody`."""
-        id = _id(body)
+        id = _id(self._numbers(body))
         self._scene.remove(id)
-        self._names.pop(id, None)
+        name = self._names.pop(id, None)
+        if name is not None:
+            self._named[name].remove(id)
 
     def name(self, body: int) -> Any:
         """The name of a body; None if it was given none."""
         return self._names.get(integer(body, "a body"))
+
+    def names(self, bodies: npt.ArrayLike) -> Any:
+        """The names of bodies, in lists of the shape of their ids, as those of `intersecting_bodies`."""
+
+        def named(ids: Any) -> Any:
+            return [named(of_one) for of_one in ids] if isinstance(ids, list) else self._names.get(ids)
+
+        return named(_ids(bodies).reshape(np.shape(bodies)).tolist())
+
+    def _numbers(self, bodies: Any) -> Any:
+        """Ids in place of names, and everything else as it is."""
+        if isinstance(bodies, (list, tuple)) and any(isinstance(body, str) for body in bodies):
+            return [self._numbers(body) for body in bodies]
+        if not isinstance(bodies, str):
+            return bodies
+        found = self._named.get(bodies, [])
+        if not found:
+            raise StaleBody(f"no body of the scene has the name {bodies!r}")
+        if len(found) > 1:
+            raise ValueError(f"{len(found)} bodies have the name {bodies!r}: give their ids")
+        return found[0]
 
     def user_ids(self, bodies: npt.ArrayLike) -> npt.NDArray[np.int64]:
         """Look up the numbers that `add` was given for bodies; by default a body has its id.
@@ -138,8 +207,8 @@ class Scene:
         >>> scene.user_ids(scene.intersecting_bodies())
         array([[70, 71]])
         """
-        ids = _ids(bodies)
-        return self._scene.user_ids(ids.reshape(-1)).reshape(np.shape(bodies))
+        numbers = self._numbers(bodies)
+        return self._scene.user_ids(_ids(numbers).reshape(-1)).reshape(np.shape(numbers))
 
     def set_poses(self, bodies: npt.ArrayLike, poses: Pose) -> None:
         """Move bodies; body ``bodies[i]`` to ``poses[i]``.
@@ -149,9 +218,9 @@ class Scene:
         StaleBody, PoseError
             With the index in ``.pose``; bodies before it have moved.
         """
-        self._scene.set_poses(_ids(bodies), poses)
+        self._scene.set_poses(_ids(self._numbers(bodies)), poses)
 
-    def set_mesh(self, body: int, mesh: Any) -> None:
+    def set_mesh(self, body: int | str, mesh: Any) -> None:
         """Give a body another mesh, as `Mesh.with_vertices` makes of one that deforms; it stays where it is.
 
         Examples
@@ -167,11 +236,11 @@ class Scene:
         >>> scene.collides()
         True
         """
-        self._scene.set_model(_id(body), _mesh(mesh))
+        self._scene.set_model(_id(self._numbers(body)), _mesh(mesh))
 
-    def ignore(self, a: int, b: int, ignored: bool = True) -> None:
+    def ignore(self, a: int | str, b: int | str, ignored: bool = True) -> None:
         """Ignore what two bodies do to each other, as links of a joint that overlap by design; or no longer."""
-        self._scene.ignore(_id(a), _id(b), ignored)
+        self._scene.ignore(_id(self._numbers(a)), _id(self._numbers(b)), ignored)
 
     def __len__(self) -> int:
         return self._scene.len()
