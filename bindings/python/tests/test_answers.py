@@ -376,6 +376,11 @@ def test_names_wherever_ids_are():
     scene.remove(twins[0])
     scene.remove("twin")
     assert len(scene) == 1
+    # Other names than strings stand for nothing, so that they may be anything.
+    other = scene.add(box, name=["a", 1])
+    assert scene.name(other) == ["a", 1]
+    scene.remove(other)
+    assert scene.name(other) is None
 
 
 def test_rows_and_columns_of_hits():

@@ -105,8 +105,8 @@ class Scene:
     def __init__(self) -> None:
         self._scene = _pfront.Scene()
         self._names: dict[int, Hashable] = {}
-        # The ids of the bodies of each name.
-        self._named: dict[Hashable, list[int]] = {}
+        # The ids of the bodies of each name that is a str, which may stand for them.
+        self._named: dict[str, set[int]] = {}
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str]) -> Scene:
@@ -155,7 +155,8 @@ class Scene:
         if name is not None:
             ids = np.atleast_1d(body).tolist()
             self._names.update(dict.fromkeys(ids, name))
-            self._named.setdefault(name, []).extend(ids)
+            if isinstance(name, str):
+                self._named.setdefault(name, set()).update(ids)
         return body
 
     def remove(self, body: int | str) -> None:
@@ -163,8 +164,10 @@ class Scene:
         id = _id(self._numbers(body))
         self._scene.remove(id)
         name = self._names.pop(id, None)
-        if name is not None:
+        if isinstance(name, str):
             self._named[name].remove(id)
+            if not self._named[name]:
+                del self._named[name]
 
     def name(self, body: int) -> Any:
         """The name of a body; None if it was given none."""
@@ -184,12 +187,12 @@ class Scene:
             return [self._numbers(body) for body in bodies]
         if not isinstance(bodies, str):
             return bodies
-        found = self._named.get(bodies, [])
+        found = self._named.get(bodies, set())
         if not found:
             raise StaleBody(f"no body of the scene has the name {bodies!r}")
         if len(found) > 1:
             raise ValueError(f"{len(found)} bodies have the name {bodies!r}: give their ids")
-        return found[0]
+        return next(iter(found))
 
     def user_ids(self, bodies: npt.ArrayLike) -> npt.NDArray[np.int64]:
         """Look up the numbers that `add` was given for bodies; by default a body has its id.
