@@ -13,12 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// An answer, and who gave it: one thread, if there is no plan.
 pub(crate) type Answered<T> = Result<(T, Option<Plan>), Error>;
 
-/// Asks, and notes who has answered. A question that takes long on the calling thread is ended by the flag and asked again on a
-/// thread of its own; one that is known to take long goes there at once, and so does one that might wait for a device, or for
-/// threads that others use. Only who calls this sets and clears the flag.
-///
-/// # Errors
-/// The exception of the error, or the one that a signal raised.
+/// Asks, and notes who has answered: see [`answer`].
 pub(crate) fn ask<T: Send + 'static>(
     py: Python<'_>,
     on: &Executor,
@@ -26,6 +21,24 @@ pub(crate) fn ask<T: Send + 'static>(
     is_long: bool,
     question: impl Fn(&pfront::Executor) -> Answered<T> + Send + Sync + 'static,
 ) -> PyResult<T> {
+    let (told, plan) = answer(py, on, cancel, is_long, question)?;
+    on.note(plan.as_ref());
+    Ok(told)
+}
+
+/// The answer to a question, and who gave it. A question that takes long on the calling thread is ended by the flag and asked again on a
+/// thread of its own; one that is known to take long goes there at once, and so does one that might wait for a device, or for
+/// threads that others use. Only who calls this sets and clears the flag.
+///
+/// # Errors
+/// The exception of the error, or the one that a signal raised.
+pub(crate) fn answer<T: Send + 'static>(
+    py: Python<'_>,
+    on: &Executor,
+    cancel: &Arc<AtomicBool>,
+    is_long: bool,
+    question: impl Fn(&pfront::Executor) -> Answered<T> + Send + Sync + 'static,
+) -> PyResult<(T, Option<Plan>)> {
     cancel.store(false, Relaxed);
     let executor = on.on_device(py)?.with_cancel(cancel.clone());
     let made = on.made(py);
@@ -38,7 +51,7 @@ pub(crate) fn ask<T: Send + 'static>(
             answered
         });
         if !matches!(answered, Err(Error::Cancelled)) {
-            return noted(py, on, answered);
+            return answered.map_err(|error| exception(py, error, None));
         }
         cancel.store(false, Relaxed);
         py.check_signals()?;
@@ -48,7 +61,7 @@ pub(crate) fn ask<T: Send + 'static>(
         let _work = work;
         question(&executor)
     });
-    noted(py, on, answered?)
+    answered?.map_err(|error| exception(py, error, None))
 }
 
 /// Waits for a ticket, while signals are heard, and notes who has answered; a ticket that is dropped is cancelled.
@@ -58,7 +71,10 @@ pub(crate) fn wait<T: Send>(py: Python<'_>, on: &Executor, mut ticket: Ticket<T>
     loop {
         match apart(py, || ticket.wait(PATIENCE)) {
             Ok(None) => {}
-            Ok(Some(answer)) => return noted(py, on, Ok((answer, plan))),
+            Ok(Some(answer)) => {
+                on.note(plan.as_ref());
+                return Ok(answer);
+            }
             Err(error) => return Err(exception(py, error, None)),
         }
         if let Err(signal) = py.check_signals() {
@@ -67,10 +83,4 @@ pub(crate) fn wait<T: Send>(py: Python<'_>, on: &Executor, mut ticket: Ticket<T>
             return Err(signal);
         }
     }
-}
-
-fn noted<T>(py: Python<'_>, on: &Executor, answered: Answered<T>) -> PyResult<T> {
-    let (answer, plan) = answered.map_err(|error| exception(py, error, None))?;
-    on.note(plan.as_ref());
-    Ok(answer)
 }

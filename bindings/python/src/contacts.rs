@@ -1,7 +1,7 @@
 //! Where pairs meet.
 
 use crate::arrays::{list, pair_array, points};
-use crate::asking::ask;
+use crate::asking::answer;
 use crate::batch::PoseBatch;
 use crate::errors::exception;
 use crate::executor::Executor;
@@ -68,9 +68,14 @@ impl<C: Copy> Columns<C> {
         Ok(())
     }
 
-    fn extend(&mut self, found: &[(TrianglePair, Contact<C>)]) -> Result<(), Error> {
-        self.reserve(found.len())?;
-        found.iter().try_for_each(|(pair, contact)| self.push(*pair, contact))
+    /// Adds the contacts of a list, whose items name pairs.
+    fn extend<H>(
+        &mut self,
+        contacts: &[(H, Contact<C>)],
+        pair: impl Fn(&H) -> TrianglePair,
+    ) -> Result<(), Error> {
+        self.reserve(contacts.len())?;
+        contacts.iter().try_for_each(|(hit, contact)| self.push(pair(hit), contact))
     }
 
     /// The contacts of a list, whose items name pairs.
@@ -79,8 +84,7 @@ impl<C: Copy> Columns<C> {
         pair: impl Fn(&H) -> TrianglePair,
     ) -> Result<Self, Error> {
         let mut columns = Self::default();
-        columns.reserve(contacts.len())?;
-        contacts.iter().try_for_each(|(hit, contact)| columns.push(pair(hit), contact))?;
+        columns.extend(contacts, pair)?;
         Ok(columns)
     }
 }
@@ -156,7 +160,7 @@ impl Met {
         counts.resize(self.poses.len(), 0);
         for ((pose, _), found) in blocks.iter().zip(found) {
             let found = found?;
-            columns.extend(&found)?;
+            columns.extend(&found, |&pair| pair)?;
             counts[*pose] += found.len();
         }
         Ok((columns, counts))
@@ -178,7 +182,8 @@ fn swept<C: Copy + Send + 'static>(
         let (pool, cancel) = (pool.clone(), Arc::<AtomicBool>::default());
         let (flag, is_long) = (cancel.clone(), met.lists.pairs().len() >= MANY);
         let question = move |_: &_| Ok((met.contacts(pool.as_deref(), &flag, contact)?, None));
-        let (found, counts) = ask(py, on, &cancel, is_long, question)?;
+        // The batch has told who answered.
+        let ((found, counts), _) = answer(py, on, &cancel, is_long, question)?;
         let joined = columns.append(found).and_then(|()| {
             let mut end = offsets.last().copied().unwrap_or(0);
             counts.iter().try_for_each(|&count| {

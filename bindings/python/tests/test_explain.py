@@ -50,6 +50,11 @@ def test_threads(mesh):
             kinds, told = who(call)
             assert "pool" in kinds and told == "2 threads", (kinds, told)
         assert (pf.collides(BALL, pf.Mesh(*ball(5, 0.1))), pf.explain()[:10]) == (False, "one thread")
+        # Where they meet is found after the batch has told who answered.
+        pf.count(SOUP, SOUP, np.tile(np.eye(4), (3, 1, 1)))
+        told = pf.explain()
+        pf.contacts(BALL, BALL, np.tile(np.eye(4), (3, 1, 1)))
+        assert pf.explain() == told == "2 threads"
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
