@@ -86,8 +86,8 @@ pub use sphere::Sphere;
 pub use ticket::Ticket;
 pub use within::SelfQuery;
 
+pub use pfront_blob::{self, Blob, BlobError};
 pub use pfront_core;
-pub use pfront_core::blob::{Blob, BlobError};
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;

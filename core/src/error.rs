@@ -15,7 +15,10 @@ pub struct CapacityError {
 
 impl CapacityError {
     /// Checks that `capacity` elements are enough for `needed`.
-    pub(crate) fn check(
+    ///
+    /// # Errors
+    /// The error that names the buffer, if they are not.
+    pub fn check(
         buffer: &'static str,
         needed: usize,
         capacity: usize,

@@ -10,7 +10,7 @@ mod meter;
 
 use inputs::{Tree, coincident, curled, disparate, mesh, peeling, sheets};
 use meter::stack_of;
-use pfront_core::blob::{self, Blob};
+use pfront_blob::Blob;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
@@ -120,9 +120,9 @@ fn checks_and_conversions() {
         _ = black_box(Mesh::new(mesh.positions().unwrap(), mesh.triangles())).unwrap();
     });
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
-    let mut bytes = blob::Aligned([0; 1 << 14]);
-    let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
-    check("blob::write", || _ = blob::write(&bvh, bytes).unwrap());
+    let mut bytes = pfront_blob::Aligned([0; 1 << 14]);
+    let bytes = &mut bytes.0[..pfront_blob::Counts::of(&bvh).bytes()];
+    check("pfront_blob::write", || _ = pfront_blob::write(&bvh, bytes).unwrap());
     check("Blob::new", || _ = black_box(Blob::new(bytes)).unwrap());
     let blob = Blob::new(bytes).unwrap();
     check("Blob::bvh", || _ = black_box(blob.bvh(scratch)).unwrap());
