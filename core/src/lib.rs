@@ -179,7 +179,7 @@ pub use aabb::Aabb;
 pub use bvh::arrays::Bvh;
 pub use bvh::error::BvhError;
 pub use bvh::node::Node;
-pub use error::CapacityError;
+pub use error::{CapacityError, DistanceError};
 pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, Triangle};
 pub use pose::{Pose, Pose64};
 pub use scalar::Scalar;

@@ -135,6 +135,14 @@ fn walk(query: &(impl Query + Sync)) {
     });
 }
 
+/// A cursor after some tests.
+#[cfg(feature = "within")]
+fn walked(query: &impl Query, tests: u64) -> Cursor {
+    let mut cursor = query.start();
+    _ = query.step(&mut cursor, tests, |pair| Continue(_ = black_box(pair)));
+    cursor
+}
+
 #[test]
 fn queries() {
     let deep = coincident(MAX_DEPTH + 1);
@@ -147,6 +155,19 @@ fn queries() {
         walk(&SelfBvtt::new(bvh));
         walk(&PairBvtt::new(bvh, bvh, turned()).unwrap());
         walk(&PairBvtt::in_world(posed, posed));
+        #[cfg(feature = "within")]
+        for distance in [1e-30, 0.1] {
+            let (near, near_itself) = (
+                PairBvtt::in_world(posed, posed).within(distance).unwrap(),
+                SelfBvtt::new(bvh).within(distance).unwrap(),
+            );
+            let walk = |query: &dyn Fn() -> Cursor| _ = black_box(query());
+            let steps = 2_000;
+            check("step within a distance", || {
+                walk(&|| walked(&near, steps));
+                walk(&|| walked(&near_itself, steps));
+            });
+        }
         let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
         check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());
@@ -188,6 +209,11 @@ fn queries_in_f64() {
     let pose = Pose64::from_rotation_translation([0.1, 0.2, 0.3, 0.9], [1e-3; 3]);
     let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
     walk(&|| query.count());
+    #[cfg(feature = "within")]
+    for query in [query, PairBvtt::in_f64(bvh, bvh, &Pose64::IDENTITY).unwrap()] {
+        let near = query.within(values[0].abs() as f32).unwrap();
+        check("step within a distance in f64", || _ = black_box(walked(&near, 2_000)));
+    }
     check("PairBvtt::in_f64", || _ = black_box(PairBvtt::in_f64(bvh, bvh, &pose)).unwrap());
     for pose in [Pose64::IDENTITY, pose] {
         let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
