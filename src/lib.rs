@@ -24,7 +24,7 @@
 //! # Ok(()) }
 //! ```
 //!
-//! All that can be asked, on one page, and who answers: [`questions`]. What to make of an answer: [`response`].
+//! All that can be asked, on one page, and who answers: [`questions`]. The ways to answer a hit: [`response`].
 //!
 //! # What the answer is
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
