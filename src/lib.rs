@@ -24,7 +24,7 @@
 //! # Ok(()) }
 //! ```
 //!
-//! All that can be asked, on one page, and who answers: [`questions`].
+//! All that can be asked, on one page, and who answers: [`questions`]. The ways to answer a hit: [`response`].
 //!
 //! # What the answer is
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
@@ -57,6 +57,8 @@ pub mod batch;
 pub mod embedding {}
 #[doc = include_str!("../docs/questions.md")]
 pub mod questions {}
+#[doc = include_str!("../docs/response.md")]
+pub mod response {}
 mod environment;
 mod error;
 pub mod executor;
