@@ -13,7 +13,7 @@
 pub struct Distance(f32);
 
 impl Distance {
-    /// Checks a distance. Of one in f64, take the f32 that is not less, and no pair is missed.
+    /// Checks a distance. A distance in f64 is rounded up, so that no pair is missed.
     ///
     /// # Errors
     /// [`DistanceError`] if it is NaN, infinite or negative.

@@ -6,6 +6,7 @@
 use super::block::TriangleBlock;
 use super::cull::PairSets;
 use super::nearest::{Reach, certify};
+use super::planes::Planes;
 use crate::simd::point8::{Points, chunk_starts, load, splat};
 use crate::simd::{LANES, Simd};
 use crate::{Aabb, Mesh};
@@ -13,7 +14,7 @@ use glam::Vec3A;
 
 impl TriangleBlock {
     /// The `allowed` pairs with the triangles of `other`, as [`TriangleBlock::cull`] has them for those that intersect: with hits
-    /// that are certainly at most `distance` apart. Of one `mesh`, triangles that share a vertex are left open, as others are
+    /// that are certainly at most `distance` apart. Triangles of one `mesh` that share a vertex are left open, as others are
     /// only if f32 does not decide them; with `boxes_only`, all are whose boxes are so near on each axis. If corners are shadows of others in f64, differences of coordinates may be off by
     /// `error`.
     #[inline(always)]
@@ -27,7 +28,7 @@ impl TriangleBlock {
         error: Option<Vec3A>,
     ) -> PairSets {
         let mut pairs = PairSets::default();
-        let error = error.unwrap_or(Vec3A::ZERO);
+        let (is_shadow, error) = (error.is_some(), error.unwrap_or(Vec3A::ZERO));
         // Rounded up, so that no box is too far away that is not.
         let grown = |k: usize| S::splat((error[k] + distance).next_up());
         let around = Some([grown(0), grown(1), grown(2)]);
@@ -43,6 +44,9 @@ impl TriangleBlock {
             pairs.overlapping |= u64::from(found) << shift;
             if SELF {
                 found &= !self.share_certified_vertex::<S>(other, j);
+            }
+            if found != 0 && !is_shadow {
+                found &= !self.are_farther::<S>(other, j, distance);
             }
             pairs.open |= u64::from(found) << shift;
         }
@@ -67,6 +71,18 @@ impl TriangleBlock {
             pairs.open &= !(within | beyond);
         }
         pairs
+    }
+
+    /// Lanes that a plane certainly holds apart from triangle `j` of `other`, by more than a distance.
+    #[inline(always)]
+    fn are_farther<S: Simd>(&self, other: &Self, j: usize, distance: f32) -> u32 {
+        let (mut found, distance) = (0, S::splat(distance));
+        for at in chunk_starts::<S>() {
+            let (own, others) = (Planes::<S>::load(self, at, None), Planes::splat(other, j, None));
+            let by_own = own.is_farther(&own.heights(&others), distance);
+            found |= (by_own | others.is_farther(&others.heights(&own), distance)) << at;
+        }
+        found
     }
 
     /// Pairs of triangles of one mesh that share a vertex.

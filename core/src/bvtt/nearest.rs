@@ -5,8 +5,8 @@
 //! - *within*: |x − y| and its error are at most the distance;
 //! - *beyond*: along n = y − x, the second triangle begins farther behind the first than the distance and the error.
 //!
-//! Bad divisions, NaN and a pair of features that is not the nearest cost a decision so, and never make a wrong one. What is
-//! open goes to [`crate::triangle`].
+//! Bad divisions, NaN and a pair of features that is not the nearest cost a decision so, and never make a wrong one. Open pairs
+//! go to [`crate::triangle`].
 //!
 //! # The bounds
 //! Coordinates are taken from a corner of the pair, and scaled by a power of two so that those of the leaf pair are about 1 at
@@ -38,7 +38,7 @@ const LEAST: f32 = 9.536_743e-7;
 /// The question of each pair in lanes, in units in which coordinates are about 1 at most.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<S> {
-    /// What coordinates are multiplied by: a power of two.
+    /// The factor of coordinates: a power of two.
     pub(super) scale: S,
     /// The distance, multiplied by it.
     pub(super) distance: S,
@@ -80,9 +80,15 @@ fn between<S: Simd>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [S; 3] {
         |t: &[[S; 3]; 3]| [difference(t[1], t[0]), difference(t[2], t[1]), difference(t[0], t[2])];
     let (of_a, of_b) = (edges(a), edges(b));
     let mut best = Best { z: difference(a[0], b[0]), square: S::splat(f32::INFINITY) };
+    let one = S::splat(1.0);
+    let inverse = |g: [S; 3]| one / dot(g, g);
+    let (by_a, by_b) = (of_a.map(inverse), of_b.map(inverse));
     for k in 0..3 {
         for l in 0..3 {
-            best.take(between_edges(a[k], of_a[k], b[l], of_b[l]));
+            best.take(between_edges(
+                Edge { p: a[k], g: of_a[k], inverse: by_a[k] },
+                Edge { p: b[l], g: of_b[l], inverse: by_b[l] },
+            ));
         }
     }
     // The edges from the first corner to the others.
@@ -111,15 +117,23 @@ impl<S: Simd> Best<S> {
     }
 }
 
-/// x − y for the nearest points of two segments from `p` along `g` and from `q` along `h` (Ericson, *Real-Time Collision
-/// Detection*, 5.1.9). Segments in parallel have some of them.
+/// A segment from `p` along `g`, and 1 / g·g.
+struct Edge<S> {
+    p: [S; 3],
+    g: [S; 3],
+    inverse: S,
+}
+
+/// x − y for the nearest points of two segments (Ericson, *Real-Time Collision Detection*, 5.1.9). Segments in parallel have
+/// some of them.
 #[inline(always)]
-fn between_edges<S: Simd>(p: [S; 3], g: [S; 3], q: [S; 3], h: [S; 3]) -> [S; 3] {
-    let w = difference(p, q);
+fn between_edges<S: Simd>(a: Edge<S>, b: Edge<S>) -> [S; 3] {
+    let (Edge { p, g, .. }, Edge { p: q, g: h, .. }) = (&a, &b);
+    let (g, h, w) = (*g, *h, difference(*p, *q));
     let (gg, gh, hh, gw, hw) = (dot(g, g), dot(g, h), dot(h, h), dot(g, w), dot(h, w));
     let s = clamped((gh * hw - gw * hh) / (gg * hh - gh * gh));
-    let t = clamped((gh * s + hw) / hh);
-    let s = clamped((gh * t - gw) / gg);
+    let t = clamped((gh * s + hw) * b.inverse);
+    let s = clamped((gh * t - gw) * a.inverse);
     difference(sum(w, scaled(g, s)), scaled(h, t))
 }
 
@@ -131,7 +145,8 @@ struct Face<S> {
     gg: S,
     gh: S,
     hh: S,
-    determinant: S,
+    /// 1 over the determinant of these products.
+    inverse: S,
 }
 
 impl<S: Simd> Face<S> {
@@ -139,7 +154,7 @@ impl<S: Simd> Face<S> {
     fn new(p: [S; 3], [g, h]: [[S; 3]; 2]) -> Self {
         let (gg, gh, hh) = (dot(g, g), dot(g, h), dot(h, h));
         let n = cross(g, h);
-        Self { p, g, h, gg, gh, hh, determinant: dot(n, n) }
+        Self { p, g, h, gg, gh, hh, inverse: S::splat(1.0) / dot(n, n) }
     }
 
     /// x − y for a point y and a point x of the face that is near it; the nearest if that is inside.
@@ -147,8 +162,8 @@ impl<S: Simd> Face<S> {
     fn to_point(&self, y: [S; 3]) -> [S; 3] {
         let w = difference(y, self.p);
         let (gw, hw) = (dot(self.g, w), dot(self.h, w));
-        let s = clamped((self.hh * gw - self.gh * hw) / self.determinant);
-        let t = clamped((self.gg * hw - self.gh * gw) / self.determinant);
+        let s = clamped((self.hh * gw - self.gh * hw) * self.inverse);
+        let t = clamped((self.gg * hw - self.gh * gw) * self.inverse);
         let t = t.min(S::splat(1.0) - s);
         difference(sum(scaled(self.g, s), scaled(self.h, t)), w)
     }

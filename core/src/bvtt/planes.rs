@@ -79,6 +79,28 @@ impl<S: Simd> Planes<S> {
         }
     }
 
+    /// Lanes in which all corners of `other`, whose `heights` these are, are certainly on one side of this plane and farther away
+    /// from it than a distance.
+    ///
+    /// The true heights are as far from these as their bound says. The true normal is no longer than the one computed, and 8 u of
+    /// the products of extents more, beside what underflows, which is less than the smallest normal number. Its length is bounded
+    /// without a root: for x ≥ y ≥ z ≥ 0, it is at most x + (√2 − 1) y + (√3 − √2) z, since it is convex, and equal at the corners
+    /// of that cone.
+    #[inline(always)]
+    pub(super) fn is_farther(&self, heights: &Heights<S>, distance: S) -> u32 {
+        let ([x, y, z], [d, e, f]) = (abs(self.normal), self.extent);
+        let (most, least) = (x.max(y).max(z), x.min(y).min(z));
+        let middle = x + y + z - most - least;
+        let length =
+            most * S::splat(1.000_001) + middle * S::splat(0.414_22) + least * S::splat(0.317_85);
+        let error = (d * e + e * f + f * d) * S::splat(5e-7);
+        let smallest = S::splat(f32::MIN_POSITIVE);
+        let more = (length + error + smallest) * distance + smallest;
+        let farther =
+            Heights { of: heights.of, bound: (heights.bound + more) * S::splat(1.000_001) };
+        farther.on_one_side(farther.of, farther.of)
+    }
+
     /// Lanes in which this triangle certainly intersects `other`, and lanes in which it certainly does not, where neither
     /// plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
     /// `other` over this plane.

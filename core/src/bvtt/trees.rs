@@ -334,8 +334,12 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         }
         let [_, pose_b] = &mut self.box_poses;
         let unposed = || Affine::identity(&root_b.bounds());
-        *pose_b = Some(pose_b.unwrap_or_else(unposed).grown(distance));
-        (self.first_seen, self.distance) = (None, distance);
+        *pose_b = Some(pose_b.unwrap_or_else(unposed).grown(Vec3A::splat(distance)));
+        self.first_seen = match (self.first_seen, &self.b.pose) {
+            (Some(seen), Some(pose)) => Some(seen.grown(pose.before(distance))),
+            _ => None,
+        };
+        self.distance = distance;
         let [own, other] = self.bounds(NodePair::ROOT);
         self.root = own.overlaps(&other).then_some(NodePair::ROOT);
         self

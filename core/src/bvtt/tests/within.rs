@@ -122,7 +122,7 @@ fn a_mesh_is_near_itself_where_no_vertex_is_shared() {
     }
 }
 
-/// What f32 certifies is true, and it leaves little open.
+/// Lanes are never wrong, and leave little open.
 #[test]
 fn lanes_certify_the_truth() {
     let mut rng = seeded(47);
