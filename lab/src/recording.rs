@@ -93,7 +93,7 @@ impl Recording {
     /// If the file cannot be read.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>> {
         let (motion, frames, next, poses, positions) = match &mut self.0 {
-            Source::File(workload) => return Ok(workload.next_frame()?),
+            Source::File(workload) => return workload.next_frame(),
             Source::Made { motion, frames, next, poses, positions } => {
                 (motion, frames, next, poses, positions)
             }

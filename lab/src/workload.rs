@@ -9,13 +9,12 @@
 //! than a short one.
 
 use crate::format::{Reader, write_words};
+use anyhow::Result;
 use pfront::Pose;
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::{self, Read, Seek, Write};
 use std::mem::take;
-
-pub use crate::format::FormatError;
 
 const MAGIC: &[u8; 8] = b"TRICOLW1";
 const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];
@@ -56,16 +55,9 @@ impl<R: Read + Seek> Workload<R> {
     /// Reads all but the frames, and checks that they are there.
     ///
     /// # Errors
-    /// [`FormatError`] with the offset of what is not as the format says.
-    pub fn open(from: R) -> Result<Self, FormatError> {
-        let mut reader = Reader::new(from)?;
-        let mut magic = [0; 8];
-        reader.bytes("the magic", &mut magic)?;
-        if magic != *MAGIC {
-            return Err(
-                reader.invalid(8, "this is not a workload: it does not begin with TRICOLW1")
-            );
-        }
+    /// The offset of what is not as the format says.
+    pub fn open(from: R) -> Result<Self> {
+        let mut reader = Reader::new(from, MAGIC, "a workload")?;
         let mut words = [0_u32; 4];
         reader.words("the header", &mut words)?;
         let [kind, meshes, objects, frames] = words;
@@ -100,10 +92,7 @@ impl<R: Read + Seek> Workload<R> {
             return Err(reader.invalid(0, format!("{frames} frames of nothing")));
         }
         reader.fits("the frames", frames.into(), size)?;
-        let left = reader.left() - u64::from(frames) * size as u64;
-        if left > 0 {
-            return Err(reader.invalid(0, format!("{left} bytes more than the frames take")));
-        }
+        reader.ends_after("the frames", u64::from(frames) * size as u64)?;
         let (poses, positions) = match kind {
             _ if frames == 0 => (Vec::new(), Vec::new()),
             Kind::SelfMesh => (Vec::new(), meshes[0].positions.clone()),
@@ -133,8 +122,8 @@ impl<R: Read + Seek> Workload<R> {
     /// The next frame, `None` after the last.
     ///
     /// # Errors
-    /// [`FormatError`] if it cannot be read, or moves the first object of a pair.
-    pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, FormatError> {
+    /// If it cannot be read, or moves the first object of a pair.
+    pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>> {
         if self.next == self.header.frames {
             return Ok(None);
         }
@@ -152,7 +141,7 @@ impl<R: Read + Seek> Workload<R> {
     }
 }
 
-fn mesh<R: Read + Seek>(reader: &mut Reader<R>) -> Result<MeshData, FormatError> {
+fn mesh<R: Read + Seek>(reader: &mut Reader<R>) -> Result<MeshData> {
     let vertices = reader.u32("the number of vertices")?;
     let triangles = reader.u32("the number of triangles")?;
     Ok(MeshData {

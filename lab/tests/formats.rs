@@ -5,7 +5,7 @@
 
 use pfront::{Pose, TrianglePair};
 use pfront_lab::pairs::{self, PairWriter};
-use pfront_lab::workload::{FormatError, Frame, Header, Workload, WorkloadWriter};
+use pfront_lab::workload::{Frame, Header, Workload, WorkloadWriter};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::Cursor;
@@ -49,7 +49,7 @@ fn written(kind: Kind) -> Vec<u8> {
 }
 
 /// Reads everything; how many frames there were.
-fn read(bytes: &[u8]) -> Result<u32, FormatError> {
+fn read(bytes: &[u8]) -> anyhow::Result<u32> {
     let mut workload = Workload::open(Cursor::new(bytes))?;
     let mut frames = 0;
     while workload.next_frame()?.is_some() {
@@ -110,14 +110,12 @@ fn every_truncation_is_noticed_with_its_offset() {
     for kind in [Kind::Pair, Kind::SelfMesh, Kind::Many] {
         let bytes = written(kind);
         for length in 0..bytes.len() {
-            let error = read(&bytes[..length]).unwrap_err();
-            let FormatError::Truncated { offset, length: seen, .. } = error else {
-                unreachable!("{kind:?} cut to {length}: {error}");
-            };
-            assert!(offset <= seen && seen == length as u64, "{error}");
+            let error = read(&bytes[..length]).unwrap_err().to_string();
+            let told = format!("the file has {length} bytes, too few for");
+            assert!(error.starts_with("at byte ") && error.contains(&told), "{kind:?}: {error}");
         }
         let longer = [&bytes[..], &[0]].concat();
-        assert!(matches!(read(&longer), Err(FormatError::Invalid { .. })));
+        assert!(read(&longer).unwrap_err().to_string().contains("1 bytes more than"));
     }
 }
 
@@ -157,8 +155,8 @@ fn pair_files_come_back() {
     assert_eq!(bytes.len(), 16 + 3 * 8 + 4 * 8);
     assert_eq!(pairs::read(Cursor::new(&bytes)).unwrap(), frames);
     for length in 0..bytes.len() {
-        let error = pairs::read(Cursor::new(&bytes[..length])).unwrap_err();
-        assert!(matches!(error, FormatError::Truncated { .. }), "cut to {length}: {error}");
+        let error = pairs::read(Cursor::new(&bytes[..length])).unwrap_err().to_string();
+        assert!(error.contains("too few for"), "cut to {length}: {error}");
     }
     // Exchanges the first triangles of the second and the third pair.
     bytes.swap(32, 40);

@@ -14,11 +14,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A body of a site.
-pub type Body = Arc<Model>;
+pub(super) type Body = Arc<Model>;
 
 /// A place of contact.
 #[derive(Clone, Debug)]
-pub enum Site {
+pub(super) enum Site {
     /// Two bodies, the second in a pose.
     Pair {
         /// The first, which stays where it is.
@@ -38,7 +38,7 @@ type Candidate = ([u32; 2], [Triangle; 2]);
 /// A set of sites, of which each has candidates.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    name: String,
+    pub(super) name: &'static str,
     sites: Vec<Site>,
 }
 
@@ -47,24 +47,14 @@ impl Contacts {
     ///
     /// # Errors
     /// If no site is left.
-    pub fn new(name: &str, sites: Vec<Site>) -> Result<Self> {
+    pub(super) fn new(name: &'static str, sites: Vec<Site>) -> Result<Self> {
         let sites: Vec<_> =
             sites.into_par_iter().filter(|site| !site.strangers().is_empty()).collect();
         ensure!(
             !sites.is_empty(),
             "'{name}' has no two triangles whose boxes overlap: leave it out"
         );
-        Ok(Self { name: name.to_owned(), sites })
-    }
-
-    /// The name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The sites.
-    pub fn sites(&self) -> &[Site] {
-        &self.sites
+        Ok(Self { name, sites })
     }
 
     /// So many pairs for a block. Triangles that share a vertex of their mesh are left out: as closed

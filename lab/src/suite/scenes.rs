@@ -1,6 +1,6 @@
 //! Contacts of the generated scenes: always there, and the same on every machine.
 
-use super::{Body, Contacts, Site};
+use super::contacts::{Body, Contacts, Site};
 use anyhow::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use pfront::{Model, Pose};
@@ -21,7 +21,7 @@ pub(super) fn all(size: Option<usize>) -> Result<Vec<Contacts>> {
     SCENES.map(|(name, frames)| contacts(name, frames, size)).into_iter().collect()
 }
 
-fn contacts(name: &str, frames: &[usize], size: Option<usize>) -> Result<Contacts> {
+fn contacts(name: &'static str, frames: &[usize], size: Option<usize>) -> Result<Contacts> {
     let scene = Scene::by_name(name, size)?;
     let model = |positions: &[[f32; 3]], triangles: &[[u32; 3]]| {
         Model::new(positions.to_vec(), triangles.to_vec()).map(Arc::new)
