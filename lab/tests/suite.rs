@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront_lab::judge::{INEXACT, OURS, Tally, Test, judge};
+use pfront_lab::judge::{FAST, OURS, Tally, Test, judge};
 use pfront_lab::suite::{BLOCK, Block, Case, Suite};
 use pfront_lab::textbook;
 use pfront_testkit::{checksum, families::Family};
@@ -59,15 +59,15 @@ fn harvested_pairs_are_candidates_and_some_of_them_meet() {
 #[test]
 fn ours_keep_their_promises_and_a_liar_is_caught() {
     let suite = Suite::generated(3, Some(8_000)).unwrap();
-    let mut tests = [OURS, INEXACT].concat();
+    let mut tests = [&OURS[..], &[FAST]].concat();
     tests.push(Test { name: "always", meets: |_, _| true });
     tests.push(Test { name: "never", meets: |_, _| false });
     let scores = judge(&suite, 33_000, &tests, |_| Ok(())).unwrap();
-    for (set, [exact, query, conservative, _, always, never]) in
-        scores.iter().map(|score| score.as_chunks::<6>().0[0]).enumerate()
+    for (set, [exact, query, _, always, never]) in
+        scores.iter().map(|score| score.as_chunks::<5>().0[0]).enumerate()
     {
         let name = suite.sets[set].name();
-        assert_eq!([exact.wrong(), query.wrong(), conservative.missed], [0; 3], "{name}");
+        assert_eq!([exact.wrong(), query.wrong()], [0; 2], "{name}");
         assert_eq!((always.missed, always.false_hits), (0, 1_000 - always.hits), "{name}");
         assert_eq!((never.missed, never.false_hits), (never.hits, 0), "{name}");
         assert_eq!((exact.pairs, exact.hits), (1_000, always.hits), "{name}");

@@ -4,7 +4,7 @@ use super::progress;
 use anyhow::Result;
 use clap::Args;
 use pfront_cli::output::out;
-use pfront_lab::judge::{IN_F64, INEXACT, OURS, OnGpu, Tally, Test, judge, judge_in_f64};
+use pfront_lab::judge::{FAST, IN_F64, OURS, OnGpu, Tally, Test, judge, judge_in_f64};
 use pfront_lab::suite::{Block, Set, Suite};
 use pfront_testkit::families::InF64;
 use std::io::{self, Write};
@@ -63,7 +63,7 @@ fn of_suite(asked: &Judge) -> Result<Table> {
     let mut gpu = asked.gpu.then(OnGpu::new).transpose()?;
     let mut on_gpu = vec![Tally::default(); names.len()];
     let bar = progress(asked.pairs, "pair");
-    let tests = [OURS, INEXACT].concat();
+    let tests = [&OURS[..], &[FAST]].concat();
     let scores = judge(&suite, asked.pairs, &tests, |Block { set, cases }| {
         if let Some(gpu) = &mut gpu {
             on_gpu[*set].add(&Tally::of(cases, gpu.answers(cases)?));
@@ -72,7 +72,7 @@ fn of_suite(asked: &Judge) -> Result<Table> {
         Ok(())
     })?;
     bar.finish_and_clear();
-    let promises = [[true; 2], [true; 2], [true, false], [false; 2]];
+    let promises = [[true; 2], [true; 2], [false; 2]];
     let mut columns = columns(&tests, &promises, &scores);
     if let Some(gpu) = gpu {
         let name = format!("{}, {} left to the CPU", gpu.name(), gpu.left_to_cpu());

@@ -177,7 +177,7 @@ fn play(
     mut ask: impl FnMut(&mut Player) -> Result<()>,
 ) -> Result<Duration> {
     let mut objects = case.objects.clone();
-    // Whoever refits a shared model copies it first.
+    // A shared model is copied by the first refit.
     if let (Kind::SelfMesh, [model]) = (objects.kind, &mut objects.models[..]) {
         *model = Arc::new((**model).clone());
     }
