@@ -67,7 +67,7 @@ struct Case {
     objects: Objects,
 }
 
-/// Those who play: plans that never change, and at last the one that chooses.
+/// Plans that never change, and at last the executor that chooses.
 type Lanes = Vec<(String, Executor)>;
 
 pub(crate) fn run(asked: &Regret) -> Result<bool> {
