@@ -2,7 +2,6 @@
 """Draws docs/pareto.svg out of benches/record/pareto.csv, which `pfront-lab chart` writes: time against wrong answers."""
 import csv, math, pathlib
 from html import escape
-
 HERE = pathlib.Path(__file__).parent
 COLOURS = "#0072b2 #d55e00 #009e73 #a0428a #000000 #b07a00 #3a86c8 #777777 #8b4513".split()
 MARKS = ["M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0z", "M-4.5,-4.5h9v9h-9z", "M0,-6L5.5,4.5h-11z", "M0,-6L6,0L0,6L-6,0z", "M0,6L5.5,-4.5h-11z"]
