@@ -2,14 +2,19 @@
 //!
 //! `cargo run --release --example cloth`
 //!
-//! A solver would move the vertices and take the contacts as constraints; here a formula moves them: waves that grow
-//! until they roll over and the sheet passes through itself.
+//! A solver would move the vertices by the constraints that are made here of the contacts; in its place a formula moves them: waves
+//! that grow until they roll over and the sheet passes through itself. `docs/response.md` has the other ways to answer a contact.
 
-use pfront::{Adjacency, Error, Model, PairQuery, Pose, SelfQuery};
+use pfront::{Adjacency, Contact, Error, Model, PairQuery, Pose, SelfQuery, TrianglePair};
+use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
 
 /// Quads along each side of the sheet.
 const SIDE: usize = 60;
+/// The most rounds of constraints in a frame.
+const ROUNDS: usize = 40;
+/// The distance that the sheet keeps from the ball, since touching counts.
+const GAP: f32 = 1e-3;
 
 fn main() -> Result<(), Error> {
     let mut sheet = surface(SIDE, |u, v| waves(0.0, u, v))?;
@@ -23,7 +28,7 @@ fn main() -> Result<(), Error> {
     // neighbours it does not count either, as most solvers want it.
     let mut self_query = SelfQuery::new().with_adjacency(Adjacency::SkipNeighbours);
 
-    let mut folds = 0;
+    let (mut folds, mut laid_down) = (0, 0);
     for frame in 0..8 {
         let time = frame as f32 / 7.0;
         // The triangles stay, the vertices move; the BVH is refitted, which takes O(n).
@@ -32,15 +37,56 @@ fn main() -> Result<(), Error> {
 
         // The verb says how much is to be known: `any`, `count`, `all` or `contacts`.
         let itself = self_query.count(&sheet)?;
-        // Contacts have the segment in which two triangles cross, and their normals, in the frame of the first model.
-        let contacts = ball_query.contacts(&ball, &sheet, Pose::IDENTITY)?;
-        let highest = contacts.iter().flat_map(|(_, contact)| contact.segment.map(|[_, y, _]| y));
-        let (on_the_ball, highest) = (contacts.len(), highest.reduce(f32::max));
-        println!("frame {frame}: {itself} in folds; {on_the_ball} on the ball, up to {highest:?}");
+        // Contacts have the segment in which two triangles cross, and their normals, in the frame of the first model. A solver weighs
+        // the constraints against the stiffness of the cloth; alone they lay it on the ball, a ring of vertices a round.
+        let mut laid = moved;
+        let mut rounds = 0;
+        let before = ball_query.count(&ball, &sheet, Pose::IDENTITY)?;
+        let after = loop {
+            let contacts = ball_query.contacts(&ball, &sheet, Pose::IDENTITY)?;
+            if contacts.is_empty() || rounds == ROUNDS {
+                break contacts.len();
+            }
+            for (vertex, Constraint { normal, depth }) in constraints(contacts, &sheet) {
+                let point = &mut laid[vertex as usize];
+                *point = [0, 1, 2].map(|axis| point[axis] + (depth + GAP) * normal[axis]);
+            }
+            sheet.set_positions(&laid)?;
+            rounds += 1;
+        };
+        println!(
+            "frame {frame}: {itself} in folds; {before} on the ball, {after} after {rounds} rounds"
+        );
         folds += itself;
+        laid_down += usize::from(before > 0 && after == 0);
     }
-    assert!(folds > 0 && ball_query.any(&ball, &sheet, Pose::IDENTITY)?.is_some());
+    assert!(folds > 0 && laid_down > 0);
     Ok(())
+}
+
+/// The distance by which a vertex has to move along a normal, for a solver.
+struct Constraint {
+    normal: [f32; 3],
+    depth: f32,
+}
+
+/// The constraint of each vertex whose triangle meets the ball: the deepest that it is behind the plane of a triangle of the ball.
+fn constraints(contacts: &[(TrianglePair, Contact)], sheet: &Model) -> BTreeMap<u32, Constraint> {
+    let mut found = BTreeMap::<u32, Constraint>::new();
+    // Flat contacts tell where they touch, and not which way to go.
+    for (pair, contact) in contacts.iter().filter(|(_, contact)| !contact.is_flat) {
+        let [normal, _] = contact.normals;
+        for vertex in sheet.mesh().triangles()[pair.b as usize] {
+            let point = sheet.mesh().shadow()[vertex as usize];
+            let behind =
+                [0, 1, 2].map(|axis| (contact.segment[0][axis] - point[axis]) * normal[axis]);
+            let depth = behind.iter().sum();
+            if found.get(&vertex).map_or(0.0, |known| known.depth) < depth {
+                found.insert(vertex, Constraint { normal, depth });
+            }
+        }
+    }
+    found
 }
 
 /// The sheet at a time in 0 ..= 1: it sinks, and its three waves turn into loops.

@@ -2,7 +2,7 @@
 
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton};
-use pfront_core::{Mesh, Node, blob};
+use pfront_core::{Mesh, Node};
 use std::error::Error;
 use std::path::Path;
 
@@ -31,6 +31,6 @@ fn bake(path: &Path) -> Result<(), Box<dyn Error>> {
     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
     let mut scratch = vec![0; 2 * N];
     let bvh = morton(mesh, &BuildOptions::default(), storage, &mut scratch)?;
-    let mut bytes = vec![0; blob::Counts::of(&bvh).bytes()];
-    Ok(std::fs::write(path, blob::write(&bvh, &mut bytes)?)?)
+    let mut bytes = vec![0; pfront_blob::Counts::of(&bvh).bytes()];
+    Ok(std::fs::write(path, pfront_blob::write(&bvh, &mut bytes)?)?)
 }

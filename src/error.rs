@@ -1,7 +1,7 @@
 //! One error for everything a call can refuse.
 
 use crate::BodyId;
-use pfront_core::blob::BlobError;
+use pfront_blob::BlobError;
 use pfront_core::pose::PoseError;
 use pfront_core::{CapacityError, MeshError};
 

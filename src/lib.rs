@@ -24,7 +24,7 @@
 //! # Ok(()) }
 //! ```
 //!
-//! All that can be asked, on one page, and who answers: [`questions`].
+//! All that can be asked, on one page, and who answers: [`questions`]. The ways to answer a hit: [`response`].
 //!
 //! # What the answer is
 //! - Triangles are closed sets: touching counts, and a triangle without area is a segment or a point.
@@ -57,6 +57,8 @@ pub mod batch;
 pub mod embedding {}
 #[doc = include_str!("../docs/questions.md")]
 pub mod questions {}
+#[doc = include_str!("../docs/response.md")]
+pub mod response {}
 mod environment;
 mod error;
 pub mod executor;
@@ -86,8 +88,8 @@ pub use sphere::Sphere;
 pub use ticket::Ticket;
 pub use within::SelfQuery;
 
+pub use pfront_blob::{self, Blob, BlobError};
 pub use pfront_core;
-pub use pfront_core::blob::{Blob, BlobError};
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;

@@ -4,8 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::{Blob, BlobError, Bvh, Error, Executor, Model, Node, SelfQuery};
+use pfront_blob::Counts;
 use pfront_core::BvhError;
-use pfront_core::blob::{self, Counts};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere, torus_knot};
 use proptest::prelude::*;
@@ -92,7 +92,7 @@ fn a_tree_that_no_build_has_laid_out_is_built_anew() {
     let foreign = Bvh::new(original.mesh(), &nodes, original.bvh().order(), scratch).unwrap();
     assert!(original.bvh().is_depth_first() && !foreign.is_depth_first());
     let mut bytes = vec![0; Counts::of(&foreign).bytes()];
-    blob::write(&foreign, &mut bytes).unwrap();
+    pfront_blob::write(&foreign, &mut bytes).unwrap();
     let mut read = Model::from_blob(&bytes).unwrap();
     assert!(read.bvh().is_depth_first());
     // A foreign tree would not survive these.
@@ -107,7 +107,7 @@ fn boxes_that_are_too_large_are_made_tight() {
     nodes[0].max = [9.0; 3];
     let loose = Bvh::new_unchecked(original.mesh(), &nodes, original.bvh().order());
     let mut bytes = vec![0; Counts::of(&loose).bytes()];
-    blob::write(&loose, &mut bytes).unwrap();
+    pfront_blob::write(&loose, &mut bytes).unwrap();
     assert_eq!(Model::from_blob(&bytes).unwrap().bvh().nodes(), original.bvh().nodes());
 }
 
@@ -154,7 +154,7 @@ proptest! {
 
     #[test]
     fn bytes_of_any_kind_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let forged = [&blob::MAGIC[..], &1_u32.to_le_bytes(), &bytes].concat();
+        let forged = [&pfront_blob::MAGIC[..], &1_u32.to_le_bytes(), &bytes].concat();
         prop_assert!(Model::from_blob(&bytes).is_err() && Model::from_blob(&forged).is_err());
     }
 }

@@ -44,6 +44,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// The version of this header; `pfront_version` tells that of the library.
+#define PFRONT_VERSION_MAJOR 0
+#define PFRONT_VERSION_MINOR 1
+#define PFRONT_VERSION_PATCH 0
+#define PFRONT_VERSION "0.1.0"
+
 // Rebuild a BVH once the quality that a refit returns is above so many times what it was when built.
 #define PFRONT_REBUILD_RATIO 1.2
 

@@ -15,8 +15,8 @@ use crate::memory::Caller;
 use crate::mesh::pfront_mesh_t;
 use crate::status::{pfront_error_t, pfront_status_t};
 use core::ffi::c_void;
-use pfront_core::blob::{self, Counts};
-use pfront_core::blob::{Blob, BlobError};
+use pfront_blob::Counts;
+use pfront_blob::{Blob, BlobError};
 
 /// How many bytes `pfront_blob_write` writes of a BVH, its mesh included; or how many the blob of a borrowed one has.
 #[unsafe(no_mangle)]
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn pfront_blob_write(
     unsafe { Caller::trusted() }.call(error, |call| {
         let bvh = call.get(c"bvh", bvh)?;
         let out = call.write(c"blob", blob.cast::<u8>(), blob_bytes)?;
-        blob::write(&bvh.view(call, c"bvh")?, out)?;
+        pfront_blob::write(&bvh.view(call, c"bvh")?, out)?;
         Ok(())
     })
 }

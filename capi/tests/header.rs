@@ -29,11 +29,25 @@ const MODULES: [&str; 20] = [
 #[test]
 fn the_header_is_up_to_date() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
+    let mut config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
     let builder = MODULES.iter().fold(cbindgen::Builder::new(), |builder, module| {
         builder.with_src(folder.join(format!("src/{module}.rs")))
     });
     let mut header = Vec::new();
+    let [major, minor, patch] = [
+        env!("CARGO_PKG_VERSION_MAJOR"),
+        env!("CARGO_PKG_VERSION_MINOR"),
+        env!("CARGO_PKG_VERSION_PATCH"),
+    ];
+    config.after_includes = Some(format!(
+        "
+// The version of this header; `pfront_version` tells that of the library.
+#define PFRONT_VERSION_MAJOR {major}
+#define PFRONT_VERSION_MINOR {minor}
+#define PFRONT_VERSION_PATCH {patch}
+#define PFRONT_VERSION \"{}\"",
+        env!("CARGO_PKG_VERSION")
+    ));
     builder.with_config(config).generate().unwrap().write(&mut header);
     let (header, path) = (String::from_utf8(header).unwrap(), folder.join("include/pfront.h"));
     if env::var_os("PFRONT_WRITE_HEADER").is_some() {

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  pfront demo                                     120 frames of a worm drive, with timings
+  pfront demo                                     120 frames of two torus knots, with timings
   pfront pairs a.obj b.stl --translate 0.1,0,0    every intersecting triangle pair
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
@@ -55,7 +55,7 @@ pub(crate) enum Command {
         #[command(flatten)]
         executor: ExecutorArgs,
     },
-    /// Time 120 frames of a built-in worm drive on this machine
+    /// Time 120 frames of two built-in torus knots on this machine
     Demo,
     /// Test whether two meshes intersect (exit code 0 or 1), and print one pair
     Any {
@@ -83,7 +83,7 @@ pub(crate) enum Command {
     ///
     /// Wherever a mesh is read, a baked one is too. Prints the bytes of each section.
     Bake(Bake),
-    /// Time one thread, all threads and a GPU on two meshes, or on a built-in worm drive
+    /// Time one thread, all threads and a GPU on two meshes, or on two built-in torus knots
     ///
     /// B makes one turn about the z axis through the middle of its box. A frame is from the pose to all pairs in
     /// the memory of the host. The answers are compared.
@@ -321,7 +321,7 @@ pub(crate) enum Build {
 
 #[derive(Debug, Args)]
 pub(crate) struct Bench {
-    /// Two meshes [default: a worm drive]
+    /// Two meshes [default: two torus knots]
     #[arg(num_args = 2, value_names = ["A", "B"])]
     pub(crate) meshes: Vec<PathBuf>,
     #[command(flatten)]

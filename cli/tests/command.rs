@@ -68,7 +68,7 @@ fn the_demonstration() {
     let help = out(folder.path(), "");
     assert!(help.contains("pfront demo") && help.contains("Exit codes"), "{help}");
     let text = out(folder.path(), "demo");
-    for part in ["64512 triangles, 120 frames", "808 to 956 pairs", "MiB", "one thread"] {
+    for part in ["129600 triangles, 120 frames", "3772 to 5376 pairs", "MiB", "one thread"] {
         assert!(text.contains(part), "no '{part}' in:\n{text}");
     }
 }

@@ -1,4 +1,4 @@
-//! The error for buffers that are too small.
+//! The errors for buffers that are too small, and for distances.
 
 /// A buffer that the caller passed is too small. Nothing was written that later calls rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,11 +15,33 @@ pub struct CapacityError {
 
 impl CapacityError {
     /// Checks that `capacity` elements are enough for `needed`.
-    pub(crate) fn check(
+    ///
+    /// # Errors
+    /// The error that names the buffer, if they are not.
+    pub fn check(
         buffer: &'static str,
         needed: usize,
         capacity: usize,
     ) -> Result<(), CapacityError> {
         if capacity < needed { Err(Self { buffer, needed, capacity }) } else { Ok(()) }
+    }
+}
+
+/// A distance is NaN, infinite or negative.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a distance must be finite and not negative, and {distance} is not")]
+#[non_exhaustive]
+pub struct DistanceError {
+    /// The distance.
+    pub distance: f32,
+}
+
+impl DistanceError {
+    /// Checks that a distance is finite and not negative.
+    ///
+    /// # Errors
+    /// The error that tells the distance, if it is not.
+    pub fn check(distance: f32) -> Result<(), DistanceError> {
+        if distance.is_finite() && distance >= 0.0 { Ok(()) } else { Err(Self { distance }) }
     }
 }

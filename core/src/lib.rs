@@ -16,7 +16,7 @@
 //! - `exact` (private): exact signs of orientation determinants, with floating-point filters before integers;
 //! - [`triangle`]: whether two triangles intersect, the rule for triangles that share vertices, and contacts;
 //! - `simd` (private): boxes and triangles in vector lanes;
-//! - [`bvh`]: builds, refits and checks of a BVH; [`blob`]: a BVH and its mesh as bytes;
+//! - [`bvh`]: builds, refits and checks of a BVH;
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours.
@@ -159,7 +159,6 @@
 extern crate std;
 
 mod aabb;
-pub mod blob;
 pub mod bvh;
 pub mod bvtt;
 pub mod environment;
@@ -180,7 +179,7 @@ pub use aabb::Aabb;
 pub use bvh::arrays::Bvh;
 pub use bvh::error::BvhError;
 pub use bvh::node::Node;
-pub use error::CapacityError;
+pub use error::{CapacityError, DistanceError};
 pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, Triangle};
 pub use pose::{Pose, Pose64};
 pub use scalar::Scalar;

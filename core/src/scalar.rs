@@ -6,6 +6,9 @@ use glam::DVec3;
 /// Whether meshes and poses in f64 can be made. Without the feature, what only they need is left out of the program.
 pub(crate) const IN_F64: bool = cfg!(feature = "f64");
 
+/// Whether queries within a distance can be made. Without the feature, what only they need is left out of the program.
+pub(crate) const WITHIN: bool = cfg!(feature = "within");
+
 /// The largest position in f64 that a mesh may have, and a pose may lead to: 2^125. Positions in f32 that are decided in f64,
 /// unposed, reach up to 2^128; filters and integers have room for them.
 pub(crate) const LIMIT: f64 = 42_535_295_865_117_307_932_921_825_928_971_026_432.0;

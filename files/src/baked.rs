@@ -1,10 +1,10 @@
-//! Baked meshes: blobs of a mesh and its BVH, see [`pfront_core::blob`].
+//! Baked meshes: blobs of a mesh and its BVH, see [`pfront_blob`].
 
 use crate::error::Fault;
 use crate::import::Import;
 use crate::mesh::TriangleMesh;
+use pfront_blob::{Blob, BlobError, BlobStorage};
 use pfront_core::Node;
-use pfront_core::blob::{Blob, BlobError, BlobStorage};
 
 impl From<BlobError> for Fault {
     fn from(error: BlobError) -> Self {

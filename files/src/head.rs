@@ -5,7 +5,7 @@ use crate::error::{Fault, Remedy};
 use crate::format::{BAKED, FIRST_VERSION};
 use crate::stl;
 use crate::text::without_padding;
-use pfront_core::blob::{BlobError, MAGIC};
+use pfront_blob::{BlobError, MAGIC};
 
 /// As many bytes of a file are looked at before the rest is read.
 pub(crate) const HEAD: u64 = 1 << 16;

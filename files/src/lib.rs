@@ -1,4 +1,4 @@
-//! Mesh files: OBJ, PLY, STL, OFF, glTF, GLB and 3MF, and the blobs of [`pfront_core::blob`] in; PLY and OBJ out.
+//! Mesh files: OBJ, PLY, STL, OFF, glTF, GLB and 3MF, and the blobs of [`pfront_blob`] in; PLY and OBJ out.
 //!
 //! [`open`] reads a file, [`read_bytes`] its bytes. The result is one mesh and the bodies that it consists of, with notes
 //! of what was passed over. All readers keep the order of the file. A face of n corners becomes n − 2 triangles, so that

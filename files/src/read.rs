@@ -10,7 +10,7 @@ use crate::memory::available;
 use crate::mesh::TriangleMesh;
 use crate::source::Source;
 use crate::{gltf, head, obj, off, ply, stl, text, threemf};
-use pfront_core::blob::MAGIC;
+use pfront_blob::MAGIC;
 use std::fs::File;
 use std::io::{Read, stdin};
 use std::path::Path;
@@ -54,7 +54,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub enum Contents {
     /// A mesh.
     Mesh(MeshFile),
-    /// The bytes of a baked mesh with its BVH, of which the header is checked: see [`pfront_core::blob`].
+    /// The bytes of a baked mesh with its BVH, of which the header is checked: see [`pfront_blob`].
     Baked(Vec<u8>),
 }
 

@@ -2,7 +2,7 @@
 //! in flash and are borrowed from there.
 
 use crate::shape::{TRIANGLES, VERTICES, grid, ring};
-use pfront_core::blob::{Aligned, Blob, BlobError};
+use pfront_blob::{Aligned, Blob, BlobError};
 use pfront_core::{Bvh, Mesh, MeshError};
 
 static POSITIONS: [[f32; 3]; VERTICES] = ring(0.0);

@@ -5,7 +5,7 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use pfront::pfront_core::blob::{self, Counts, MAGIC};
+use pfront::pfront_blob::{self, Counts, MAGIC};
 use pfront::pfront_core::bvtt;
 use pfront::{Blob, BlobError, Mesh, Model, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
@@ -44,7 +44,7 @@ fuzz_target!(|input: Input| {
     let tree = Tree::new(mesh, input.leaf_size.into(), input.builder);
     let bvh = tree.bvh(mesh);
     let mut bytes = vec![0xaa; Counts::of(&bvh).bytes()];
-    blob::write(&bvh, &mut bytes).unwrap();
+    pfront_blob::write(&bvh, &mut bytes).unwrap();
     assert!(check(&bytes, &input));
     for &(at, word) in &input.edits {
         let at = 4 * usize::from(at);
@@ -74,7 +74,7 @@ fn check(bytes: &[u8], input: &Input) -> bool {
         (Err(_), Err(_)) => {}
         (Ok(bvh), Ok(_)) => {
             let mut again = vec![0xaa; bytes.len()];
-            assert_eq!(blob::write(&bvh, &mut again).unwrap(), bytes);
+            assert_eq!(pfront_blob::write(&bvh, &mut again).unwrap(), bytes);
             assert_eq!(pages(&bvtt::SelfBvtt::new(bvh), 7), truth(bvh.mesh()));
         }
         (borrowed, copied) => panic!("borrowed: {borrowed:?}, copied: {copied:?}"),

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use pfront::Model;
-use pfront::pfront_core::blob::MAGIC;
+use pfront::pfront_blob::MAGIC;
 use pfront_files::{Contents, FORMATS, ReadOptions, read_bytes};
 use pfront_fuzz::seal;
 

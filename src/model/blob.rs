@@ -1,4 +1,4 @@
-//! Models as bytes: see [`pfront_core::blob`].
+//! Models as bytes: see [`pfront_blob`].
 
 use super::Model;
 use super::in_f64::Exact;
@@ -7,8 +7,8 @@ use super::tree::Tree;
 use crate::Error;
 use crate::environment::with_default;
 use crate::memory::filled;
+use pfront_blob::{Blob, BlobError, BlobStorage, Counts, write};
 use pfront_core::Node;
-use pfront_core::blob::{Blob, BlobError, BlobStorage, Counts, write};
 use pfront_core::bvh::BuildOptions;
 
 impl Model {

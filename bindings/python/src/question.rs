@@ -3,7 +3,7 @@
 use crate::arrays::{list, pair_array};
 use crate::asking::{Answered, ask};
 use crate::batch::PoseBatch;
-use crate::errors::exception;
+use crate::errors::{self, exception};
 use crate::executor::Executor;
 use crate::memory;
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::part::{Part, PartQuery};
 use crate::poses::Poses;
 use crate::threads::apart;
 use pfront::pfront_core::bvtt::{AnyBvtt, SelfBvtt};
-use pfront::{AnyPose, Batch, Error, PairQuery, SelfQuery};
+use pfront::{AnyPose, Batch, Error, PairQuery, SelfQuery, TrianglePair};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
@@ -153,6 +153,25 @@ pub fn any(
             Ok(list(py, found))
         }
     }
+}
+
+/// The first pair that is found, for one pose.
+#[pyfunction]
+pub fn first(
+    py: Python<'_>,
+    a: &Model,
+    b: Option<&Model>,
+    pose: Option<Bound<'_, PyAny>>,
+    on: &Executor,
+) -> PyResult<Option<(u32, u32)>> {
+    let Question::One(subject) = Question::new(py, a, b, pose.as_ref(), None)? else {
+        return Err(errors::poses("one pair is found for one pose: ask in a loop".to_owned()));
+    };
+    subject.ask(py, on, |subject, executor| {
+        answered!(subject, executor, any, |hit: Option<TrianglePair>| {
+            Ok(hit.map(|pair| (pair.a, pair.b)))
+        })
+    })
 }
 
 /// The number of pairs that meet; of a part, if one is given.

@@ -179,6 +179,12 @@ impl Scene {
         Ok(self.state.lock(py)?.get().query.len())
     }
 
+    /// Each body that has triangles: its id, its model, and the rows of its pose.
+    fn bodies(&self, py: Python<'_>) -> PyResult<Vec<(u64, Model, [[f64; 4]; 3])>> {
+        let told = |body: Placed| (body.id.to_bits(), Model(body.model), body.pose.to_f64().rows);
+        Ok(self.placed(py, None)?.into_iter().map(told).collect())
+    }
+
     /// A scene of the bodies of both that may meet one of the other scene, and in which only those of different scenes are
     /// asked about: bodies of this one first, with their ids as user ids.
     fn across(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {

@@ -79,7 +79,11 @@ def test_errors_name_what_is_at_fault():
     pose[1, 2] = np.inf
     refused(pf.PoseError, lambda: pf.collides(mesh, mesh, pose), row=1, pose=None)
     refused(pf.PoseError, lambda: pf.pairs(mesh, mesh, np.stack([placed(), pose])), row=1, pose=1)
+    refused(pf.PoseError, lambda: list(pf.sweep(mesh, mesh, np.stack([placed()] * 5 + [pose]), chunk=3)), row=1, pose=5)
+    with pytest.raises(pf.PoseError, match="^pose 5: .*row 1"):
+        list(pf.sweep(mesh, mesh, np.stack([placed()] * 5 + [pose]), "count", chunk=2))
     refused(pf.PoseError, lambda: pf.count(mesh, mesh, np.ones((4, 4))), row=3)
+    refused(pf.PoseError, lambda: pf.first(mesh, mesh, np.stack([placed(), placed()])))
     refused(pf.PoseError, lambda: pf.count(mesh, mesh, np.ones((2, 4, 4))), row=3, pose=0)
     refused(pf.PoseError, lambda: pf.count(mesh, mesh, np.ones(16)))
     refused(pf.BlobError, lambda: pf.Mesh(pf._mesh._from_blob(b"", b"no blob at all" * 20)))

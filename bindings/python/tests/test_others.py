@@ -1,8 +1,11 @@
 """What takes the place of other libraries, and what they draw."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
-from conftest import ball, placed
+from conftest import TOP, ball, placed, poses
 
 import pfront as pf
 
@@ -76,3 +79,56 @@ def test_the_accessor_follows_its_mesh():
     before = mesh.pfront.mesh
     mesh.points = mesh.points + np.float32(9)
     assert mesh.pfront.mesh is not before and not mesh.pfront.collides((points, faces))
+
+
+def test_a_scene_of_trimesh_keeps_its_names_and_poses():
+    import trimesh
+
+    world, box = trimesh.Scene(), trimesh.creation.box()
+    for i, x in enumerate([0, 1, 2.5]):
+        world.add_geometry(box, node_name=f"box {i}", geom_name="box", transform=placed(x))
+    world.add_geometry(trimesh.load_path([[0, 0, 0], [1, 1, 1]]), node_name="wire")
+    with pytest.warns(UserWarning, match="wire is no mesh"):
+        scene = pf.Scene.from_trimesh(world)
+    assert len(scene) == 3 and scene.names(scene.intersecting_bodies()) == [["box 0", "box 1"]]
+
+
+def test_rotations_and_transforms_of_scipy_are_poses():
+    from scipy.spatial.transform import RigidTransform, Rotation
+
+    mesh, turns = pf.Mesh(*ball(12)), Rotation.random(5, rng=1)
+    moves = RigidTransform.from_components(poses(5, spread=0.3)[:, :3, 3], turns)
+    for many, matrices in [(turns, np.tile(np.eye(4), (5, 1, 1))), (moves, moves.as_matrix())]:
+        matrices[:, :3, :3] = turns.as_matrix()
+        assert pf.count(mesh, mesh, many).tolist() == pf.count(mesh, mesh, matrices).tolist()
+        assert pf.count(mesh, mesh, many[2]) == pf.count(mesh, mesh, matrices[2]) > 0
+    scene = pf.Scene()
+    assert scene.add(mesh, moves).tolist() == [0, 1, 2, 3, 4]
+
+
+def test_without_pyvista_a_picture_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    scene = pf.Scene()
+    scene.add(pf.Mesh(*ball(12)))
+    for draw in (scene.show, lambda: pf.show(ball(12)), pf.register):
+        with pytest.raises(ImportError, match="pip install pyvista"):
+            draw()
+
+
+def test_a_clash_check_names_the_parts_and_draws_them(tmp_path):
+    import trimesh
+    from matplotlib import image
+
+    world = trimesh.Scene()
+    for i in range(40):
+        place = placed(2 * (i % 8), 2 * (i // 8), 0.25 * (i % 3))
+        place[0, 3] -= 1.5 * (i in (3, 21))
+        world.add_geometry(trimesh.creation.box(), node_name=f"part {i}", transform=place)
+    world.export(tmp_path / "assembly.glb")
+    example = [sys.executable, TOP / "bindings/python/examples/clash.py", "assembly.glb", "clash.png"]
+    told = subprocess.run(example, cwd=tmp_path, capture_output=True, text=True)
+    lines = told.stdout.splitlines()
+    assert told.returncode == 1 and lines[-1] == "40 parts, 2 clashes", told
+    assert [line[:33].split("  ")[0] for line in lines[:-1]] == ["part 2", "part 20"]
+    pixels = image.imread(tmp_path / "clash.png")[..., :3]
+    assert ((pixels[..., 0] > 0.6) & (pixels[..., 1:].max(-1) < 0.3)).sum() > 20

@@ -4,7 +4,7 @@ use super::pfront_error_t;
 use super::pfront_status_t::{self, *};
 use core::ffi::CStr;
 use core::ptr::null;
-use pfront_core::blob::BlobError;
+use pfront_blob::BlobError;
 use pfront_core::pose::PoseError;
 use pfront_core::{BvhError, CapacityError, MeshError};
 

@@ -3,7 +3,7 @@
 use super::{advised, check_files, fits};
 use crate::args::{Bake, Build};
 use anyhow::{Context, Result, ensure};
-use pfront::pfront_core::blob::{self, Counts};
+use pfront::pfront_blob::{self, Counts};
 use pfront::pfront_core::bvh::node_bound;
 use pfront::pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront::{Mesh, Node, threads};
@@ -97,6 +97,6 @@ fn baked(file: TriangleMesh, bake: &Bake) -> Result<(Vec<u8>, Counts)> {
     let counts = Counts::of(&bvh);
     has_room(counts.bytes())?;
     let mut bytes = vec![0; counts.bytes()];
-    blob::write(&bvh, &mut bytes)?;
+    pfront_blob::write(&bvh, &mut bytes)?;
     Ok((bytes, counts))
 }

@@ -1,5 +1,6 @@
 //! `pfront bench` and `pfront demo`: frames of two meshes on every executor that this machine has.
 
+use super::knot::torus_knot;
 use super::{check_files, model};
 use crate::args::{Bench, Reading};
 use anyhow::{Result, ensure};
@@ -11,7 +12,6 @@ use pfront_cli::json::{VERSION, write_json};
 use pfront_cli::memory;
 use pfront_cli::output::out;
 use pfront_files::escape::escaped;
-use pfront_testkit::scenes::Scene;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -78,7 +78,10 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
             let name = format!("{} and {}", a.display(), b.display());
             Course::turning(name, [read(a)?, read(b)?], frames)
         }
-        _ => Course::worm_drive(frames)?,
+        _ => {
+            let knots = [torus_knot(0.0)?, torus_knot(0.8)?];
+            Course::turning("two torus knots".to_owned(), knots, frames)
+        }
     };
     let build = clock.elapsed();
     let mut executors = vec![("one thread".to_owned(), Executor::sequential())];
@@ -124,22 +127,6 @@ pub(crate) fn run(bench: &Bench) -> Result<bool> {
 }
 
 impl Course {
-    /// The worm drive of the built-in scenes.
-    fn worm_drive(frames: usize) -> Result<Self> {
-        let scene = Scene::by_name("worm-gear", None)?;
-        let mut rows = Vec::new();
-        let pose = |frame| {
-            scene.poses(frame, &mut rows);
-            Pose::new(rows[1]).into()
-        };
-        let poses = (0..frames).map(pose).collect();
-        let [worm, wheel] = [0, 1].map(|object| {
-            let mesh = &scene.meshes[scene.objects[object]];
-            Model::new(mesh.positions.clone(), mesh.triangles.clone())
-        });
-        Ok(Self { name: "worm drive".to_owned(), models: [worm?, wheel?], poses })
-    }
-
     /// One turn of the second mesh about the z axis through the middle of its box.
     fn turning(name: String, models: [Model; 2], frames: usize) -> Self {
         let (bvh, is_f64) = (models[1].bvh(), models.iter().any(Model::is_f64));

@@ -6,7 +6,7 @@
 //! order, an array of triangle indices; the ranges of the leaves, from left to right, follow one another.
 //!
 //! [`Node`](crate::Node) takes 32 bytes and is the same on CPU and GPU. Builds make trees of nodes, refits follow a deforming mesh,
-//! [`Bvh::new`](crate::Bvh::new) checks arrays from elsewhere, and [`blob`](crate::blob) stores a tree with its mesh.
+//! [`Bvh::new`](crate::Bvh::new) checks arrays from elsewhere, and the crate `pfront-blob` stores a tree with its mesh.
 
 pub(crate) mod arrays;
 mod build;

@@ -79,7 +79,12 @@ impl TriangleBlock {
 
     /// Lanes whose box overlaps the box from `low` to `high`, as far as that is known with an `error`.
     #[inline(always)]
-    fn overlapping<S: Simd>(&self, low: [S; 3], high: [S; 3], error: Option<[S; 3]>) -> u32 {
+    pub(super) fn overlapping<S: Simd>(
+        &self,
+        low: [S; 3],
+        high: [S; 3],
+        error: Option<[S; 3]>,
+    ) -> u32 {
         let mut found = 0;
         let (low, high) = match error {
             Some(error) => (difference(low, error), sum(high, error)),
@@ -97,7 +102,7 @@ impl TriangleBlock {
 
     /// Lanes that share a certified vertex with triangle `j` of `other`.
     #[inline(always)]
-    fn share_certified_vertex<S: Simd>(&self, other: &Self, j: usize) -> u32 {
+    pub(super) fn share_certified_vertex<S: Simd>(&self, other: &Self, j: usize) -> u32 {
         let u = S::splat(other.certified_key(0, j));
         let v = S::splat(other.certified_key(1, j));
         let w = S::splat(other.certified_key(2, j));

@@ -31,6 +31,8 @@ mod any;
 mod block;
 mod cull;
 mod cursor;
+mod near;
+mod nearest;
 mod planes;
 mod posed_bvh;
 mod query;

@@ -4,7 +4,7 @@ use super::block::BlockCache;
 use super::wide_node::WideNode;
 use super::{Bvtt, Cursor, NodePair, TrianglePair};
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
-use crate::triangle::{intersects, intersects_in_f64, intersects_in_mesh};
+use crate::triangle::{intersects, intersects_in_f64, intersects_in_mesh, within, within_in_f64};
 use core::ops::ControlFlow;
 
 /// The visitor of hits. A trait object, so that there is one traversal in machine code per kind of query.
@@ -21,9 +21,10 @@ pub(super) fn traverse<const SELF: bool>(
         return ControlFlow::Continue(());
     }
     cursor.set_budget(tests);
-    match query.error() {
-        None => run(Traversal::<SELF, false> { query, cursor, visit }),
-        Some(_) => traverse_in_f64(query, cursor, visit),
+    match (query.distance(), query.error()) {
+        (None, None) => run(Traversal::<SELF, false, false> { query, cursor, visit }),
+        (None, Some(_)) => traverse_in_f64(query, cursor, visit),
+        (Some(_), _) => traverse_within(query, cursor, visit),
     }
 }
 
@@ -40,17 +41,30 @@ fn traverse_in_f64<const SELF: bool>(
     cursor: &mut Cursor,
     visit: &mut Visitor<'_>,
 ) -> ControlFlow<()> {
-    run(Traversal::<SELF, true> { query, cursor, visit })
+    run(Traversal::<SELF, true, false> { query, cursor, visit })
 }
 
-/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64.
-struct Traversal<'t, 'v, 'a, const SELF: bool, const F64: bool> {
+/// Apart for the same reason.
+#[inline(never)]
+fn traverse_within<const SELF: bool>(
+    query: &Bvtt<'_, SELF>,
+    cursor: &mut Cursor,
+    visit: &mut Visitor<'_>,
+) -> ControlFlow<()> {
+    run(Traversal::<SELF, true, true> { query, cursor, visit })
+}
+
+/// The arguments of a traversal, as a [`Task`] that is compiled for each width of lanes; without `F64`, nothing is in f64, and
+/// with `WITHIN`, hits are within a distance.
+struct Traversal<'t, 'v, 'a, const SELF: bool, const F64: bool, const WITHIN: bool> {
     query: &'t Bvtt<'a, SELF>,
     cursor: &'t mut Cursor,
     visit: &'t mut Visitor<'v>,
 }
 
-impl<const SELF: bool, const F64: bool> Task for Traversal<'_, '_, '_, SELF, F64> {
+impl<const SELF: bool, const F64: bool, const WITHIN: bool> Task
+    for Traversal<'_, '_, '_, SELF, F64, WITHIN>
+{
     type Output = ControlFlow<()>;
 
     #[inline(always)]
@@ -63,13 +77,13 @@ impl<const SELF: bool, const F64: bool> Task for Traversal<'_, '_, '_, SELF, F64
             } else if query.is_in_certified_fan(n) {
                 cursor.spend_box_tests(1);
             } else if query.is_leaf_pair(n) {
-                let flow = query.visit_leaf_pair::<S, F64>(n, &mut blocks, cursor, visit);
+                let flow = query.visit_leaf_pair::<S, F64, WITHIN>(n, &mut blocks, cursor, visit);
                 if cursor.is_inside_leaf_pair() {
                     cursor.push(n);
                 }
                 flow?;
             } else {
-                let tests = query.descend(n, |below| cursor.push(below));
+                let tests = query.descend::<WITHIN>(n, |below| cursor.push(below));
                 cursor.spend_box_tests(tests);
             }
             if cursor.is_budget_spent() {
@@ -105,19 +119,22 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
 
     /// Passes on the overlapping pairs two levels below `n`. Returns the number of box tests.
     #[inline(always)]
-    fn descend(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
+    fn descend<const WITHIN: bool>(&self, n: NodePair, push: impl FnMut(NodePair)) -> u32 {
         let [pose_a, pose_b] = &self.box_poses;
         let a = WideNode::grandchildren(&self.a.bvh, n.a, pose_a.as_ref());
-        if SELF && n.a == n.b {
+        if SELF && n.a == n.b && !WITHIN {
             return a.overlapping::<true>(&a, push);
         }
         let b = WideNode::grandchildren(&self.b.bvh, n.b, pose_b.as_ref());
+        if SELF && n.a == n.b {
+            return a.overlapping::<true>(&b, push);
+        }
         a.overlapping::<false>(&b, push)
     }
 
     /// Visits the triangle pairs of a leaf pair that intersect, from where `cursor` resumes until its budget is spent.
     #[inline(always)]
-    fn visit_leaf_pair<S: Simd, const F64: bool>(
+    fn visit_leaf_pair<S: Simd, const F64: bool, const WITHIN: bool>(
         &self,
         n: NodePair,
         [blocks_a, blocks_b]: &mut [BlockCache; 2],
@@ -131,7 +148,12 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
             allowed &= BEFORE;
         }
         let error = if F64 { self.error() } else { None };
-        let pairs = a.cull::<S, SELF>(b, allowed, self.boxes_only, error);
+        let distance = if WITHIN { self.distance() } else { None };
+        let (mesh, boxes_only) = (self.a.bvh.mesh(), self.boxes_only);
+        let pairs = match distance {
+            None => a.cull::<S, SELF>(b, allowed, boxes_only, error),
+            Some(distance) => a.near::<S, SELF>(b, allowed, mesh, distance, boxes_only, error),
+        };
         let visited = pairs.hits | pairs.open;
         cursor.for_each_within_budget(pairs.overlapping, visited, |bit| {
             let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
@@ -142,13 +164,13 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
             let is_hit = if pairs.hits >> bit & 1 != 0 || SELF && self.boxes_only {
                 true
             } else if SELF && pairs.may_share_vertex >> bit & 1 != 0 {
-                let mesh = self.a.bvh.mesh();
                 intersects_in_mesh(mesh, pair.a, pair.b, self.adjacency)
             } else if error.is_some() {
-                let Self { a, b, .. } = self;
-                intersects_in_f64(&a.triangle_f64(pair.a), &b.triangle_f64(pair.b))
+                let [a, b] = [self.a.triangle_f64(pair.a), self.b.triangle_f64(pair.b)];
+                distance.map_or_else(|| intersects_in_f64(&a, &b), |d| within_in_f64(&a, &b, d))
             } else {
-                intersects(&a.triangle(i), &b.triangle(j))
+                let [a, b] = [a.triangle(i), b.triangle(j)];
+                distance.map_or_else(|| intersects(&a, &b), |d| within(&a, &b, d))
             };
             if is_hit { visit(pair) } else { ControlFlow::Continue(()) }
         })

@@ -7,10 +7,12 @@
 
 use super::posed_bvh::{posed, root_bounds};
 use super::{NodePair, PosedBvh, TrianglePair};
+#[cfg(feature = "within")]
+use crate::DistanceError;
 use crate::aabb::Bounds;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
-use crate::scalar::IN_F64;
+use crate::scalar::{IN_F64, WITHIN};
 use crate::simd::VECTORS;
 use crate::triangle::{Adjacency, Contact, intersects, intersects_in_f64, posed_contact};
 use crate::{Bvh, Pose};
@@ -55,6 +57,8 @@ pub struct Bvtt<'a, const SELF: bool> {
     fans: &'a [u32],
     pub(super) boxes_only: bool,
     error: Option<Vec3A>,
+    /// Pairs at most so far apart are hits; 0 asks for those that intersect.
+    distance: f32,
     /// Computed once, as fronts ask for it often, like `leaf_edge`.
     pub(super) root: Option<NodePair>,
     pub(super) leaf_edge: f32,
@@ -288,9 +292,61 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
             fans: &[],
             boxes_only: false,
             error: None,
+            distance: 0.0,
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
         }
+    }
+
+    /// Asks for all pairs at most `distance` apart, in the frame of the query, in place of those that intersect: exactly, and 0
+    /// asks for those again. In a self query, triangles that share a vertex are hits as ever, whatever the distance, and all
+    /// others by their distance: neighbours of neighbours, too, from an edge's length on.
+    ///
+    /// The boxes of the second side are compared grown by the distance. Triangle pairs are decided eight at a time where f32
+    /// certifies them, and by integers else. With [`boxes_only`](SelfBvtt::boxes_only), their boxes are, on each axis.
+    ///
+    /// # Errors
+    /// [`DistanceError`] if the distance is NaN, infinite or negative.
+    ///
+    /// # Complexity
+    /// As without, with as many more pairs as boxes overlap that are grown so.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.25]))?;
+    /// assert_eq!(query.count(), 0);
+    /// assert_eq!([query.within(0.25)?.count(), query.within(0.2)?.count()], [1, 0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "within")]
+    pub fn within(mut self, distance: f32) -> Result<Self, DistanceError> {
+        DistanceError::check(distance)?;
+        let [root_a, root_b] = [&self.a, &self.b].map(|side| side.bvh.root());
+        let (Some(_), Some(root_b), true) = (root_a, root_b, distance > 0.0) else {
+            return Ok(self);
+        };
+        // Boxes are compared in the frame of the query, in which distances are measured, and only there.
+        if !SELF {
+            self.box_poses = [self.a.pose, self.b.pose];
+        }
+        let [_, pose_b] = &mut self.box_poses;
+        let unposed = || Affine::identity(&root_b.bounds());
+        *pose_b = Some(pose_b.unwrap_or_else(unposed).grown(distance));
+        (self.first_seen, self.distance) = (None, distance);
+        let [own, other] = self.bounds(NodePair::ROOT);
+        self.root = own.overlaps(&other).then_some(NodePair::ROOT);
+        Ok(self)
+    }
+
+    /// The distance within which pairs are hits, if that is what is asked.
+    #[inline(always)]
+    pub(super) fn distance(&self) -> Option<f32> {
+        if WITHIN && self.distance > 0.0 { Some(self.distance) } else { None }
     }
 
     /// If positions or poses in f64 decide: how far the difference of two coordinates in lanes may be from that of the positions

@@ -142,7 +142,7 @@ fn normal<const L: usize, const N: usize>([x, y, z]: &[[Wide<L>; N]; 3]) -> [Wid
 
 /// Coordinates of some points along one axis, in units of a power of two: coordinate i is
 /// `significand[i] · 2^shift[i]`.
-struct Axis<const N: usize> {
+pub(super) struct Axis<const N: usize> {
     significand: [i64; N],
     shift: [u32; N],
 }
@@ -154,7 +154,7 @@ impl<const N: usize> Axis<N> {
     }
 
     /// In units of 2^finest, of which all coordinates are multiples.
-    fn in_units<C: Scalar>(coordinates: [C; N], finest: i32) -> Self {
+    pub(super) fn in_units<C: Scalar>(coordinates: [C; N], finest: i32) -> Self {
         let parts = coordinates.map(odd_significand);
         Self {
             significand: parts.map(|p| p.0),
@@ -163,9 +163,19 @@ impl<const N: usize> Axis<N> {
     }
 
     /// The bits of the largest magnitude.
-    fn bits(&self) -> u32 {
+    pub(super) fn bits(&self) -> u32 {
         let bits = |(m, shift): (&i64, &u32)| u64::BITS - m.unsigned_abs().leading_zeros() + shift;
         self.significand.iter().zip(&self.shift).map(bits).max().unwrap_or(0)
+    }
+
+    /// One coordinate minus another.
+    pub(super) fn difference<const L: usize>(&self, from: usize, to: usize) -> Wide<L> {
+        self.wide(to) - self.wide(from)
+    }
+
+    /// A coordinate.
+    pub(super) fn wide<const L: usize>(&self, index: usize) -> Wide<L> {
+        Wide::new(self.significand[index], self.shift[index])
     }
 
     /// Differences from coordinate 0, if all coordinates are below 2^60.
@@ -183,7 +193,7 @@ impl<const N: usize> Axis<N> {
 }
 
 /// The exponent of the lowest bit that is set; none in zero.
-fn finest_bit<C: Scalar>(value: &C) -> Option<i32> {
+pub(super) fn finest_bit<C: Scalar>(value: &C) -> Option<i32> {
     let (significand, exponent) = odd_significand(*value);
     (significand != 0).then_some(exponent)
 }

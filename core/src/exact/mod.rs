@@ -12,6 +12,7 @@
 //! as Devillers and Pion do (*Efficient Exact Geometric Predicates for Delaunay Triangulations*, 2003), and
 //! the exact stages are integers instead of expansions. They need no branches on exponents and cannot overflow.
 
+mod distance;
 mod exact64;
 pub(crate) mod filter32;
 pub(crate) mod filter64;
@@ -19,6 +20,7 @@ pub(crate) mod integer;
 pub(crate) mod orientation;
 mod wide;
 
+pub(crate) use distance::features_are_within;
 pub(crate) use exact64::{ExactF64, are_exact_in_f64};
 pub(crate) use filter32::CertifiedF32;
 pub(crate) use filter64::difference;

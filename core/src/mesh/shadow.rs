@@ -116,8 +116,25 @@ impl<'a> Mesh<'a> {
         Self::new_unchecked(shadow, triangles).with_origin(Some(positions), origin)
     }
 
-    /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked; [`Mesh::widened`] without positions.
-    pub(crate) fn from_f64_parts(
+    /// [`Mesh::from_f64_unchecked`] of arrays that nobody has checked, such as those of a file; [`Mesh::widened`] if `positions`
+    /// is empty.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_f64`]; [`MeshError::Shadow`] names the first vertex whose shadow is not its position minus `origin`.
+    ///
+    /// # Complexity
+    /// O(vertices + triangles).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{Mesh, MeshError};
+    /// let (points, triangles, shadow) = ([[2.5; 3]; 3], [[0, 1, 2]], [[0.5; 3]; 3]);
+    /// assert!(Mesh::from_f64_parts(&points, &shadow, [2.0; 3], &triangles)?.is_f64());
+    /// let wrong = Mesh::from_f64_parts(&points, &shadow, [1.0; 3], &triangles);
+    /// assert_eq!(wrong.err(), Some(MeshError::Shadow { vertex: 0 }));
+    /// # Ok::<(), MeshError>(())
+    /// ```
+    pub fn from_f64_parts(
         positions: &'a [[f64; 3]],
         shadow: &'a [[f32; 3]],
         origin: [f64; 3],

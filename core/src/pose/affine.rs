@@ -78,6 +78,13 @@ impl Affine {
         self.padding
     }
 
+    #[cfg(feature = "within")]
+    /// The same with boxes that reach farther, by so much on each axis.
+    pub(crate) fn grown(self, by: f32) -> Self {
+        let padding = (self.padding + Vec3A::splat(by)).to_array().map(f32::next_up);
+        Self { padding: Vec3A::from_array(padding), ..self }
+    }
+
     /// The pose that moves nothing, for what lies in `bounds`.
     pub(crate) fn identity(bounds: &Bounds) -> Self {
         Self::padded([Vec3A::X, Vec3A::Y, Vec3A::Z], Vec3A::ZERO, bounds, DVec3::ZERO)

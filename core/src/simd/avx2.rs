@@ -11,7 +11,7 @@
 
 use super::lanes::{LANES, Simd, Task};
 use core::arch::x86_64::*;
-use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// Whether [`run`] may be called. Without `std` that is settled when compiling.
 #[inline]
@@ -74,7 +74,8 @@ macro_rules! operators {
     )*};
 }
 
-operators!(Add add Avx _mm256_add_ps, Sub sub Avx _mm256_sub_ps, Mul mul Avx _mm256_mul_ps);
+operators!(Add add Avx _mm256_add_ps, Sub sub Avx _mm256_sub_ps);
+operators!(Mul mul Avx _mm256_mul_ps, Div div Avx _mm256_div_ps);
 operators!(BitAnd bitand Mask _mm256_and_ps, BitOr bitor Mask _mm256_or_ps);
 
 impl Simd for Avx {

@@ -1,6 +1,6 @@
 //! A vector of floats, and code that is compiled for several kinds of vectors.
 
-use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// The number of lanes: as many as a leaf may hold triangles.
 pub(crate) const LANES: usize = 8;
@@ -17,7 +17,7 @@ pub(crate) const VECTORS: bool = cfg!(any(
 
 /// A vector of floats. Every operation rounds as that on one float does, and none is fused.
 pub(crate) trait Simd:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// The number of floats, a divisor of [`LANES`].
     const WIDTH: usize;

@@ -1,7 +1,7 @@
 //! Eight floats in two vectors of four, on any processor: used where AVX2 is not detected.
 
 use super::lanes::{LANES, Simd};
-use core::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 use glam::{BVec4A, Vec4};
 
 /// Two of glam's `Vec4`, which is SSE2, NEON or wasm's simd128 where the target has it and plain floats
@@ -25,7 +25,7 @@ macro_rules! impl_by_halves {
     )*};
 }
 
-impl_by_halves!(Add add Portable, Sub sub Portable, Mul mul Portable);
+impl_by_halves!(Add add Portable, Sub sub Portable, Mul mul Portable, Div div Portable);
 impl_by_halves!(BitAnd bitand PortableMask, BitOr bitor PortableMask);
 
 impl Simd for Portable {

@@ -25,12 +25,15 @@
 mod contact;
 mod coplanar;
 mod in_mesh;
+mod within;
 
 use coplanar::coplanar_triangles_intersect;
 
 pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
+pub use within::within;
+pub(crate) use within::within_in_f64;
 
 use crate::Triangle;
 use crate::exact::{CertifiedF32, Exact, ExactF64, HAS_F64, Orientation, Point, are_exact_in_f64};

@@ -10,7 +10,7 @@ mod meter;
 
 use inputs::{Tree, coincident, curled, disparate, mesh, peeling, sheets};
 use meter::stack_of;
-use pfront_core::blob::{self, Blob};
+use pfront_blob::Blob;
 use pfront_core::bvh::*;
 use pfront_core::bvtt::*;
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
@@ -120,9 +120,9 @@ fn checks_and_conversions() {
         _ = black_box(Mesh::new(mesh.positions().unwrap(), mesh.triangles())).unwrap();
     });
     check("Bvh::new", || _ = black_box(Bvh::new(mesh, &tree.nodes, &tree.order, scratch)).unwrap());
-    let mut bytes = blob::Aligned([0; 1 << 14]);
-    let bytes = &mut bytes.0[..blob::Counts::of(&bvh).bytes()];
-    check("blob::write", || _ = blob::write(&bvh, bytes).unwrap());
+    let mut bytes = pfront_blob::Aligned([0; 1 << 14]);
+    let bytes = &mut bytes.0[..pfront_blob::Counts::of(&bvh).bytes()];
+    check("pfront_blob::write", || _ = pfront_blob::write(&bvh, bytes).unwrap());
     check("Blob::new", || _ = black_box(Blob::new(bytes)).unwrap());
     let blob = Blob::new(bytes).unwrap();
     check("Blob::bvh", || _ = black_box(blob.bvh(scratch)).unwrap());
@@ -133,6 +133,14 @@ fn walk(query: &(impl Query + Sync)) {
     check("step", || {
         _ = query.step(&mut query.start(), 200_000, |pair| Continue(_ = black_box(pair)));
     });
+}
+
+/// A cursor after some tests.
+#[cfg(feature = "within")]
+fn walked(query: &impl Query, tests: u64) -> Cursor {
+    let mut cursor = query.start();
+    _ = query.step(&mut cursor, tests, |pair| Continue(_ = black_box(pair)));
+    cursor
 }
 
 #[test]
@@ -147,6 +155,19 @@ fn queries() {
         walk(&SelfBvtt::new(bvh));
         walk(&PairBvtt::new(bvh, bvh, turned()).unwrap());
         walk(&PairBvtt::in_world(posed, posed));
+        #[cfg(feature = "within")]
+        for distance in [1e-30, 0.1] {
+            let (near, near_itself) = (
+                PairBvtt::in_world(posed, posed).within(distance).unwrap(),
+                SelfBvtt::new(bvh).within(distance).unwrap(),
+            );
+            let walk = |query: &dyn Fn() -> Cursor| _ = black_box(query());
+            let steps = 2_000;
+            check("step within a distance", || {
+                walk(&|| walked(&near, steps));
+                walk(&|| walked(&near_itself, steps));
+            });
+        }
         let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
         check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());
@@ -188,6 +209,11 @@ fn queries_in_f64() {
     let pose = Pose64::from_rotation_translation([0.1, 0.2, 0.3, 0.9], [1e-3; 3]);
     let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
     walk(&|| query.count());
+    #[cfg(feature = "within")]
+    for query in [query, PairBvtt::in_f64(bvh, bvh, &Pose64::IDENTITY).unwrap()] {
+        let near = query.within(values[0].abs() as f32).unwrap();
+        check("step within a distance in f64", || _ = black_box(walked(&near, 2_000)));
+    }
     check("PairBvtt::in_f64", || _ = black_box(PairBvtt::in_f64(bvh, bvh, &pose)).unwrap());
     for pose in [Pose64::IDENTITY, pose] {
         let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();

@@ -8,10 +8,12 @@
 //! segments or points, coplanar, or equal.
 
 mod crossing;
+mod distance;
 mod lattice;
 mod mesh;
 
 pub use crossing::crossing_points;
+pub use distance::within;
 pub use lattice::Coordinate;
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 

@@ -3,6 +3,47 @@
 Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide. A question is about one instant, not
 about a motion. Touching counts, and there is no tolerance.
 
+    Meshes
+      Mesh                                                  a triangle mesh of arrays, of a file, or of trimesh, pyvista, Open3D, meshio
+      Mesh.vertices, .faces, .dtype, .nbytes                what is tested, in which precision, and the memory that it takes
+      Mesh.with_vertices                                    the same faces with other vertices, by a refit
+      Mesh.save, load                                       a .pfb, with its BVH
+      bodies                                                the bodies of a file, by their names
+    Questions about two meshes in a pose or in many, or about one and itself
+      collides                                              whether they meet
+      first                                                 a pair of triangles that meets, or None
+      count                                                 how many pairs meet
+      pairs                                                 which, sorted
+      contacts                                              where: a segment and two normals for each pair
+      sweep                                                 any of these for many poses, one by one, on other processes too
+      part, Part                                            one of n parts of a large question
+    Many bodies in one world
+      Scene, Scene.from_file, .from_trimesh                 bodies, each a mesh in a pose
+      Scene.add, .remove, .set_poses, .set_mesh, .ignore    by ids or names
+      Scene.name, .names, .user_ids                         what bodies are called
+      Scene.collides, .count, .pairs, .contacts             as of two meshes
+      Scene.intersecting_bodies                             which bodies meet
+      Scene.show                                            a picture
+    Answers
+      Contacts, Contacts.pairs, .segments, .normals, .flat  arrays with a row for each pair
+      Contacts.polylines                                    the curves along which meshes meet
+      Contacts.to_dict, Hits.to_dict                        columns, for pandas
+      Hits, Hits.bodies, .pairs                             pairs of triangles of a scene
+      SceneContacts                                         contacts of a scene, with their bodies
+      Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
+    Who answers
+      using                                                 threads, or a GPU, for a block
+      devices                                               the GPU that there is
+      explain                                               who answered
+    Beside others
+      show                                                  a picture of two meshes and where they meet
+      register                                              the accessor of pyvista: mesh.pfront.collides(other)
+      compat                                                the collision manager of trimesh
+    Errors
+      MeshError, PoseError, BlobError                       a ValueError each, with the vertex, face, row or pose
+      StaleBody                                             a KeyError: no such body
+      DeviceError                                           a RuntimeError: no such device, or one that failed
+
 >>> import numpy as np
 >>> import pfront as pf
 >>> floor = pf.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
@@ -19,14 +60,14 @@ from . import compat
 from ._errors import BlobError, DeviceError, MeshError, PoseError, StaleBody
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
-from ._questions import Contacts, Part, Ragged, collides, contacts, count, pairs, part, sweep
+from ._questions import Contacts, Part, Ragged, collides, contacts, count, first, pairs, part, sweep
 from ._scene import Hits, Scene, SceneContacts
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
     "BlobError", "Contacts", "DeviceError", "Hits", "Mesh", "MeshError", "Part", "PoseError", "Ragged", "Scene",
-    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "explain", "load", "pairs", "part", "register", "show",
+    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "explain", "first", "load", "pairs", "part", "register", "show",
     "sweep", "using",
 ]  # fmt: skip
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import operator
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["array", "integer", "rows"]
+__all__ = ["Rows", "array", "integer", "rows"]
+
+Rows = Union[slice, "npt.NDArray[np.bool_]", "npt.NDArray[np.integer[Any]]", Sequence[int], Sequence[bool]]
 
 
 def array(values: Any, what: str) -> npt.NDArray[Any]:
@@ -33,7 +36,7 @@ def integer(value: Any, what: str) -> int:
         raise TypeError(f"{what} is an integer, not {type(value).__name__}") from None
 
 
-def rows(index: Any, what: str) -> Any:
+def rows(index: Rows, what: str) -> Any:
     """An index that selects rows: a slice, a mask or an array of indices."""
     if isinstance(index, (int, np.integer)):
         raise TypeError(f"{what} are selected by slices, masks and arrays of indices: [{index} : {index + 1}]")

@@ -13,7 +13,7 @@ import warnings
 import weakref
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,25 @@ from ._settings import current
 
 __all__ = ["Mesh", "bodies", "load"]
 
+
+class _Trimesh(Protocol):
+    vertices: Any
+    faces: Any
+
+
+class _Open3d(Protocol):
+    vertices: Any
+    triangles: Any
+
+
+class _PolyData(Protocol):
+    points: Any
+    regular_faces: Any
+
+
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+# What `Mesh` takes. Meshes of meshio have no types.
+MeshLike = Union["Mesh", Path, tuple[Any, Any], _Trimesh, _Open3d, _PolyData, _pfront.Model]
 _unpickled: weakref.WeakValueDictionary[bytes, Mesh] = weakref.WeakValueDictionary()
 _Kind = TypeVar("_Kind", bound="Mesh")
 # What is made of the model when it is first asked for.
@@ -72,6 +91,10 @@ class Mesh:
     __slots__ = ("__dict__", "__weakref__", "_model")
     _model: _pfront.Model
 
+    @overload
+    def __init__(self, source: MeshLike, faces: None = None) -> None: ...
+    @overload
+    def __init__(self, source: npt.ArrayLike, faces: npt.ArrayLike) -> None: ...
     def __init__(self, source: Any, faces: npt.ArrayLike | None = None) -> None:
         if faces is None:
             source, faces = _parts(source)
@@ -189,7 +212,7 @@ def load(path: str | os.PathLike[str]) -> Mesh:
     return Mesh(model)
 
 
-def bodies(path: str | os.PathLike[str]) -> dict[str, Mesh]:
+def bodies(path: Path) -> dict[str, Mesh]:
     """Read the bodies of a file: the nodes of a glTF, the items of a 3MF, the objects or groups of an OBJ, the solids of an STL.
 
     Parameters

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NoReturn, Protocol, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -10,12 +11,25 @@ import numpy.typing as npt
 from ._arrays import array as as_array
 from ._errors import PoseError
 
-__all__ = ["Pose", "matrix"]
-
-Pose = Any
+__all__ = ["HasMatrix", "OnePose", "Pose", "Poses", "SomePoses", "matrix"]
 
 
-def matrix(pose: Pose) -> npt.NDArray[Any]:
+class HasMatrix(Protocol):
+    """A rotation or transform, as scipy's are: one, or many."""
+
+    def as_matrix(self) -> npt.NDArray[Any]: ...
+
+
+_Real = np.dtype[Union[np.floating[Any], np.integer[Any]]]
+OnePose = Union["np.ndarray[tuple[int, int], _Real]", Sequence[Sequence[float]], None]
+Poses = Union["np.ndarray[tuple[int, int, int], _Real]", Sequence[Sequence[Sequence[float]]]]
+# One or many: no type says of these how many they are. A shape of no dimensions that exist is that of an array of any shape.
+_AnyShape = np.ndarray[tuple[NoReturn, NoReturn, NoReturn], _Real]
+SomePoses = Union[_AnyShape, Sequence["np.ndarray[Any, _Real]"], HasMatrix]
+Pose = Union[OnePose, Poses, SomePoses]
+
+
+def matrix(pose: Any) -> npt.NDArray[Any]:
     """A pose, or poses, as an aligned array of float32 or float64 in C order, whose last row has been looked at.
 
     This may be a view of what the caller holds.

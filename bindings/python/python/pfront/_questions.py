@@ -5,24 +5,35 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Literal, Protocol, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._arrays import integer, rows
+from ._arrays import Rows, integer, rows
 from ._errors import PoseError
-from ._mesh import Mesh
-from ._poses import Pose, matrix
+from ._mesh import Mesh, MeshLike
+from ._poses import HasMatrix, OnePose, Pose, Poses, SomePoses, matrix
 from ._settings import current
 
-__all__ = ["collides", "pairs", "count", "contacts", "sweep", "part", "Part", "Ragged", "Contacts"]
+__all__ = ["first", "collides", "pairs", "count", "contacts", "sweep", "part", "Part", "Ragged", "Contacts"]
 
 Progress = Callable[[int, int], Any]
+_Bools = npt.NDArray[np.bool_]
+_Counts = npt.NDArray[np.int64]
+_Pairs = npt.NDArray[np.uint32]
+_Values = TypeVar("_Values", bound="npt.NDArray[Any] | Contacts")
+_Found = TypeVar("_Found", bound="Contacts")
 
 
-class Ragged(Sequence[Any]):
+class Submits(Protocol):
+    """Whatever runs a function elsewhere and returns its future: a process pool, a Dask client, an MPI pool."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Any: ...
+
+
+class Ragged(Sequence[_Values]):
     """Lists of different lengths: `values`, of which list i is ``values[offsets[i]:offsets[i + 1]]``.
 
     Attributes
@@ -48,13 +59,17 @@ class Ragged(Sequence[Any]):
 
     __slots__ = ("values", "offsets")
 
-    def __init__(self, values: Any, offsets: npt.NDArray[np.int64]) -> None:
+    def __init__(self, values: _Values, offsets: _Counts) -> None:
         self.values = values
         self.offsets = offsets
 
     def __len__(self) -> int:
         return len(self.offsets) - 1
 
+    @overload
+    def __getitem__(self, index: int) -> _Values: ...
+    @overload
+    def __getitem__(self, index: slice) -> Ragged[_Values]: ...
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             first, end, step = index.indices(len(self))
@@ -89,10 +104,10 @@ class Contacts:
         Whether both lie in one plane, or one has no area: then the segment is the longest chord of what they share.
     """
 
-    pairs: npt.NDArray[np.uint32]
+    pairs: _Pairs
     segments: npt.NDArray[Any]
     normals: npt.NDArray[np.float32]
-    flat: npt.NDArray[np.bool_]
+    flat: _Bools
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -100,7 +115,7 @@ class Contacts:
     def __repr__(self) -> str:
         return f"{type(self).__name__}({len(self)} pairs, {self.segments.dtype})"
 
-    def __getitem__(self, index: Any) -> Any:
+    def __getitem__(self: _Found, index: Rows) -> _Found:
         """The contacts that a slice, a mask or an array of indices selects, as ``found[~found.flat]``."""
         index = rows(index, "contacts")
         return type(self)(*(getattr(self, field.name)[index] for field in fields(self)))
@@ -118,7 +133,7 @@ class Contacts:
         points = {f"{axis}{end}": self.segments[:, end, k] for end in (0, 1) for k, axis in enumerate("xyz")}
         return {"face_a": self.pairs[:, 0], "face_b": self.pairs[:, 1], **points, "flat": self.flat}
 
-    def polylines(self) -> Ragged:
+    def polylines(self) -> Ragged[npt.NDArray[Any]]:
         """Chain the segments at end points that are equal to the bit.
 
         Returns
@@ -177,14 +192,20 @@ class Contacts:
         return Ragged(points[np.concatenate(chains)], offsets)
 
 
-def _two(a: Any, b: Any) -> tuple[_pfront.Model, _pfront.Model | None]:
+def _two(a: MeshLike, b: MeshLike | None) -> tuple[_pfront.Model, _pfront.Model | None]:
     first = a._model if type(a) is Mesh else Mesh(a)._model
     if b is None:
         return first, None
     return first, b._model if type(b) is Mesh else Mesh(b)._model
 
 
-def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+@overload
+def collides(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+@overload
+def collides(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> bool: ...
+@overload
+def collides(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> _Bools: ...
+def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
     """Whether the surfaces of two meshes meet, or that of one meets itself. Touching counts; there is no tolerance.
 
     Parameters
@@ -222,7 +243,37 @@ def collides(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | N
     return _pfront.any(*_two(a, b), pose, current(), progress)
 
 
-def count(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+def first(a: MeshLike, b: MeshLike | None = None, pose: OnePose | HasMatrix = None) -> tuple[int, int] | None:
+    """Find one pair of triangles that meet, or None: the pair that is found first, which may differ between executors.
+
+    Parameters
+    ----------
+    a, b, pose
+        As for `collides`; one pose.
+
+    Returns
+    -------
+    (int, int) or None
+        A face of `a` and one of `b`.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> floor = pf.Mesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+    >>> blade = pf.Mesh([[1, 1, -1], [1, 2, -1], [1, 1, 1]], [[0, 1, 2]])
+    >>> pf.first(floor, blade), pf.first(floor)
+    ((0, 0), None)
+    """
+    return _pfront.first(*_two(a, b), pose, current())
+
+
+@overload
+def count(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+@overload
+def count(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> int: ...
+@overload
+def count(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> _Counts: ...
+def count(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
     """Count the pairs of triangles that meet.
 
     Parameters
@@ -247,7 +298,13 @@ def count(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     return _pfront.count(*_two(a, b), pose, current(), progress, None)
 
 
-def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+@overload
+def pairs(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+@overload
+def pairs(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> _Pairs: ...
+@overload
+def pairs(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> Ragged[_Pairs]: ...
+def pairs(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
     """List the pairs of triangles that meet, sorted.
 
     Within one mesh each pair is listed once, the smaller face first, and what two faces share by vertex index is no contact.
@@ -282,7 +339,7 @@ def pairs(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None
     return found if offsets is None else Ragged(found, offsets)
 
 
-def _warn_if_split(mesh: Mesh, found: npt.NDArray[np.uint32]) -> None:
+def _warn_if_split(mesh: Mesh, found: _Pairs) -> None:
     """Say so if most pairs, of which some thousands are looked at, are of faces that share a position, but no vertex."""
     corners = mesh.faces[found[:: len(found) // 10_000 + 1]]
     places = mesh.vertices[corners]
@@ -297,7 +354,13 @@ def _warn_if_split(mesh: Mesh, found: npt.NDArray[np.uint32]) -> None:
         )
 
 
-def contacts(a: Any, b: Any = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+@overload
+def contacts(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+@overload
+def contacts(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> Contacts: ...
+@overload
+def contacts(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> Ragged[Contacts]: ...
+def contacts(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
     """Find where two meshes meet: a segment for each pair of triangles, and their normals.
 
     Parameters
@@ -336,12 +399,12 @@ class Part:
         if not (0 <= self.i < self.n <= 65536):
             raise ValueError(f"part {self.i} of {self.n} is not 0 ≤ i < n ≤ 65536")
 
-    def pairs(self, a: Any, b: Any = None, pose: Pose = None) -> npt.NDArray[np.uint32]:
+    def pairs(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None) -> _Pairs:
         """List the pairs of this part, sorted; the parts together list each pair of `pfront.pairs` once."""
-        found: npt.NDArray[np.uint32] = _pfront.all(*_two(a, b), pose, current(), None, (self.i, self.n))[0]
+        found: _Pairs = _pfront.all(*_two(a, b), pose, current(), None, (self.i, self.n))[0]
         return found
 
-    def count(self, a: Any, b: Any = None, pose: Pose = None) -> int:
+    def count(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None) -> int:
         """Count the pairs of this part."""
         found: int = _pfront.count(*_two(a, b), pose, current(), None, (self.i, self.n))
         return found
@@ -389,17 +452,30 @@ def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any]) 
     return _WHAT[what](*(mesh.mesh if isinstance(mesh, _Sent) else mesh for mesh in (a, b)), poses)
 
 
+@overload
 def sweep(
-    a: Any,
-    b: Any,
-    poses: Pose,
-    what: str = "collides",
-    *,
-    progress: Progress | None = None,
-    executor: Any = None,
-    chunk: int = 10_000,
-    window: int = 64,
-) -> Iterator[tuple[int, Any]]:
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["collides"] = "collides", *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+) -> Iterator[tuple[int, bool]]: ...  # fmt: skip
+@overload
+def sweep(
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["count"], *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+) -> Iterator[tuple[int, int]]: ...  # fmt: skip
+@overload
+def sweep(
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["pairs"], *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+) -> Iterator[tuple[int, _Pairs]]: ...  # fmt: skip
+@overload
+def sweep(
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["contacts"], *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+) -> Iterator[tuple[int, Contacts]]: ...  # fmt: skip
+def sweep(
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: str = "collides", *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+) -> Iterator[tuple[int, Any]]:  # fmt: skip
     """Ask about many poses, and yield each index with its answer, in order, while later ones are on their way.
 
     Each pose is an instant: nothing is asked about the motion from one to the next.
@@ -453,7 +529,7 @@ def _swept(
     poses: npt.NDArray[Any],
     what: str,
     progress: Progress | None,
-    executor: Any,
+    executor: Submits | None,
     chunk: int,
     window: int,
 ) -> Iterator[tuple[int, Any]]:
@@ -461,22 +537,24 @@ def _swept(
     flying: dict[int, Any] = {}
     sent = [_Sent(a), _Sent(b)]
 
-    def launch(start: int) -> None:
+    def launch(executor: Submits, start: int) -> None:
         flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk])
 
     try:
         ahead = iter(starts)
         if executor is not None:
             for _, start in zip(range(window), ahead):
-                launch(start)
+                launch(executor, start)
         for start in starts:
-            if executor is None:
-                answers = _task(what, a, b, poses[start : start + chunk])
-            else:
-                answers = flying.pop(start).result()
-                following = next(ahead, None)
-                if following is not None:
-                    launch(following)
+            try:
+                answers = _task(what, a, b, poses[start : start + chunk]) if executor is None else flying.pop(start).result()
+            except PoseError as error:
+                # The pose is one of its chunk there.
+                error.args = (str(error).replace(f"pose {error.pose}", f"pose {start + (error.pose or 0)}", 1),)
+                error.pose = start + (error.pose or 0)
+                raise
+            if executor is not None and (following := next(ahead, None)) is not None:
+                launch(executor, following)
             if progress is not None:
                 progress(min(start + chunk, len(poses)), len(poses))
             if isinstance(answers, np.ndarray):

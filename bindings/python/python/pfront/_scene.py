@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import os
+import warnings
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._arrays import array, integer, rows
+from ._arrays import Rows, array, integer, rows
 from ._errors import StaleBody
-from ._mesh import Mesh, bodies
-from ._poses import Pose
+from ._mesh import Mesh, MeshLike, Path, bodies
+from ._poses import OnePose, Pose, Poses, SomePoses
 from ._questions import Contacts
 from ._settings import current
 
@@ -42,7 +42,7 @@ class Hits:
     def __repr__(self) -> str:
         return f"Hits({len(self)} pairs)"
 
-    def __getitem__(self, index: Any) -> Hits:
+    def __getitem__(self, index: Rows) -> Hits:
         """The hits that a slice, a mask or an array of indices selects, as ``hits[hits.bodies[:, 0] == table]``."""
         return Hits(self.bodies[rows(index, "hits")], self.pairs[index])
 
@@ -109,7 +109,7 @@ class Scene:
         self._named: dict[str, set[int]] = {}
 
     @classmethod
-    def from_file(cls, path: str | os.PathLike[str]) -> Scene:
+    def from_file(cls, path: Path) -> Scene:
         """Make a scene of the bodies of a file, by their names, where its coordinates put them: see `bodies`.
 
         Examples
@@ -126,8 +126,47 @@ class Scene:
             scene.add(mesh, name=name)
         return scene
 
+    @classmethod
+    def from_trimesh(cls, source: Any) -> Scene:
+        """Make a scene of the nodes of a ``trimesh.Scene``, by their names, in their poses; nodes of one geometry share its BVH.
+
+        What is no mesh, such as a path or a cloud of points, is left out, with a warning.
+
+        Examples
+        --------
+        >>> import trimesh, pfront as pf
+        >>> box, world = trimesh.creation.box(), trimesh.Scene()
+        >>> for name, x in [("left", 0), ("right", 1)]:
+        ...     pose = trimesh.transformations.translation_matrix([x, 0, 0])
+        ...     _ = world.add_geometry(box, node_name=name, geom_name="box", transform=pose)
+        >>> scene = pf.Scene.from_trimesh(world)
+        >>> scene.names(scene.intersecting_bodies())
+        [['left', 'right']]
+        """
+        scene = cls()
+        meshes = {name: Mesh(found) for name, found in source.geometry.items() if hasattr(found, "faces")}
+        for node in source.graph.nodes_geometry:
+            pose, name = source.graph[node]
+            if name in meshes:
+                scene.add(meshes[name], pose, name=node)
+            else:
+                warnings.warn(f"{node} is no mesh", stacklevel=2)
+        return scene
+
+    @overload
     def add(
-        self, mesh: Any, pose: Pose = None, *, name: Hashable = None, user_id: Any = None, itself: bool = False
+        self, mesh: MeshLike, pose: SomePoses, *, name: Hashable = None, user_id: npt.ArrayLike | None = None, itself: bool = False
+    ) -> Any: ...
+    @overload
+    def add(
+        self, mesh: MeshLike, pose: OnePose = None, *, name: Hashable = None, user_id: int | None = None, itself: bool = False
+    ) -> int: ...
+    @overload
+    def add(
+        self, mesh: MeshLike, pose: Poses, *, name: Hashable = None, user_id: npt.ArrayLike | None = None, itself: bool = False
+    ) -> npt.NDArray[np.int64]: ...
+    def add(
+        self, mesh: MeshLike, pose: Pose = None, *, name: Hashable = None, user_id: npt.ArrayLike | None = None, itself: bool = False
     ) -> Any:
         """Add a body, or one for each of many poses.
 
@@ -223,7 +262,7 @@ class Scene:
         """
         self._scene.set_poses(_ids(self._numbers(bodies)), poses)
 
-    def set_mesh(self, body: int | str, mesh: Any) -> None:
+    def set_mesh(self, body: int | str, mesh: MeshLike) -> None:
         """Give a body another mesh, as `Mesh.with_vertices` makes of one that deforms; it stays where it is.
 
         Examples
@@ -254,7 +293,7 @@ class Scene:
         both._scene = self._scene.across(other._scene)
         return both
 
-    def __reduce_ex__(self, protocol: Any) -> Any:
+    def __reduce_ex__(self, protocol: Any) -> NoReturn:
         raise TypeError("a scene is neither copied nor pickled: add its bodies to a new one")
 
     def __repr__(self) -> str:
@@ -273,6 +312,16 @@ class Scene:
         bodies, found = self._scene.contacts(current())
         return SceneContacts(*found, bodies)
 
+    def show(self, *, off_screen: bool = False, screenshot: Any = None) -> SceneContacts:
+        """Draw the bodies, those that meet in another colour, and in red where they do; as `pfront.show`."""
+        from ._show import draw  # which loads no pyvista before it draws
+
+        found = self.contacts()
+        marked = np.unique(found.bodies)
+        placed = [(Mesh(model), np.array(pose), bool((marked == id).any())) for id, model, pose in self._scene.bodies()]
+        draw(placed, found, off_screen, screenshot)
+        return found
+
     def count(self) -> int:
         """Count the pairs of triangles that meet."""
         return self._scene.count(current())
@@ -282,7 +331,7 @@ class Scene:
         return self._scene.any(current())
 
 
-def _mesh(mesh: Any) -> _pfront.Model:
+def _mesh(mesh: MeshLike) -> _pfront.Model:
     return mesh._model if isinstance(mesh, Mesh) else Mesh(mesh)._model
 
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import Literal, TypedDict
 
 from . import _pfront
 
@@ -44,7 +45,7 @@ current = _current.get
 
 
 @contextmanager
-def using(threads: int | None = None, device: str | None = None) -> Iterator[None]:
+def using(threads: int | None = None, device: Literal["cpu", "gpu", "auto"] | None = None) -> Iterator[None]:
     """Choose who answers the questions of a block; the answers stay the same to the bit.
 
     Parameters
@@ -78,12 +79,17 @@ def using(threads: int | None = None, device: str | None = None) -> Iterator[Non
         _current.reset(token)
 
 
-def devices() -> list[dict[str, str]]:
-    """Return the GPU that ``device="gpu"`` would use, if there is one, as its name, kind and backend.
+class Device(TypedDict):
+    """A GPU; one of the kind "Cpu" is a software driver."""
 
-    A kind of "Cpu" is a software driver.
-    """
-    return [dict(zip(("name", "kind", "backend"), found)) for found in _pfront.adapters()]
+    name: str
+    kind: str
+    backend: str
+
+
+def devices() -> list[Device]:
+    """Return the GPU that ``device="gpu"`` would use, if there is one, as its name, kind and backend."""
+    return [{"name": name, "kind": kind, "backend": backend} for name, kind, backend in _pfront.adapters()]
 
 
 def explain() -> str:

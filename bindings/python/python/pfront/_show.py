@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _questions
 from ._errors import PoseError
-from ._mesh import Mesh
-from ._poses import Pose, matrix
-from ._questions import Contacts, Ragged
+from ._mesh import Mesh, MeshLike
+from ._poses import OnePose, Pose, matrix
+from ._questions import Contacts
 
 __all__ = ["show", "Accessor", "register"]
 
@@ -23,7 +24,9 @@ def _pyvista() -> Any:
     return pyvista
 
 
-def show(a: Any, b: Any = None, pose: Pose = None, *, off_screen: bool = False, screenshot: Any = None) -> Contacts:
+def show(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, off_screen: bool = False, screenshot: Any = None
+) -> Contacts:
     """Draw two meshes, or one, and in red where they meet; pyvista draws.
 
     Parameters
@@ -40,25 +43,29 @@ def show(a: Any, b: Any = None, pose: Pose = None, *, off_screen: bool = False, 
     Contacts
         What is drawn in red.
     """
-    pyvista = _pyvista()
     found = _questions.contacts(a, b, pose)
     if not isinstance(found, Contacts):
         raise PoseError("a picture shows one pose")
+    placed = [(a if isinstance(a, Mesh) else Mesh(a), np.eye(3, 4), False)]
+    if b is not None:
+        a_from_b = np.eye(3, 4) if pose is None else matrix(pose)
+        placed.append((b if isinstance(b, Mesh) else Mesh(b), a_from_b, True))
+    draw(placed, found, off_screen, screenshot)
+    return found
+
+
+def draw(placed: list[tuple[Mesh, npt.NDArray[Any], bool]], found: Contacts, off_screen: bool, screenshot: Any) -> None:
+    """Draw meshes in their poses, in one of two colours, and in red the segments of contacts."""
+    pyvista = _pyvista()
     plotter = pyvista.Plotter(off_screen=off_screen)
-    a_from_b = np.eye(4)
-    if pose is not None:
-        a_from_b[:3] = matrix(pose)[:3]
-    for mesh, world, color in ((a, np.eye(4), "lightsteelblue"), (b, a_from_b, "wheat")):
-        if mesh is not None:
-            model = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
-            points = model.vertices @ world[:3, :3].T + world[:3, 3]
-            plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, model.faces), color=color, opacity=0.6)
-    lines: Ragged = found.polylines()
-    for line in lines:
+    for mesh, pose, is_marked in placed:
+        points = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+        surface = pyvista.PolyData.from_regular_faces(points, mesh.faces)
+        plotter.add_mesh(surface, color="wheat" if is_marked else "lightsteelblue", opacity=0.6)
+    for line in found.polylines():
         plotter.add_mesh(pyvista.MultipleLines(points=line), color="red", line_width=6, lighting=False)
     plotter.show(screenshot=screenshot)
     plotter.close()
-    return found
 
 
 class Accessor:

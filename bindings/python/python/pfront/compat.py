@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._mesh import Mesh
-from ._poses import Pose
+from ._mesh import Mesh, MeshLike
+from ._poses import OnePose
 from ._scene import Scene, SceneContacts
 
 __all__ = ["CollisionManager", "ContactData"]
@@ -80,9 +80,9 @@ class CollisionManager:
         self._scene = Scene()
         self._ids: dict[str, int] = {}
 
-    def add_object(self, name: str, mesh: Any, transform: Pose = None) -> int:
+    def add_object(self, name: str, mesh: MeshLike, transform: OnePose = None) -> int:
         """Add an object; one of that name is replaced."""
-        body: int = self._scene.add(mesh if isinstance(mesh, Mesh) else Mesh(mesh), transform, name=name)
+        body = self._scene.add(mesh if isinstance(mesh, Mesh) else Mesh(mesh), transform, name=name)
         if name in self._ids:
             self.remove_object(name)
         self._ids[name] = body
@@ -94,7 +94,7 @@ class CollisionManager:
             raise ValueError(f"{name} not in collision manager!")
         self._scene.remove(self._ids.pop(name))
 
-    def set_transform(self, name: str, transform: Pose) -> None:
+    def set_transform(self, name: str, transform: OnePose) -> None:
         """Move an object; ValueError if there is none."""
         if name not in self._ids:
             raise ValueError(f"{name} not in collision manager!")
@@ -111,7 +111,7 @@ class CollisionManager:
         return self._answer(bool(names), names, data, return_names, return_data)
 
     def in_collision_single(
-        self, mesh: Any, transform: Pose = None, return_names: bool = False, return_data: bool = False
+        self, mesh: MeshLike, transform: OnePose = None, return_names: bool = False, return_data: bool = False
     ) -> Any:
         """Whether a mesh meets any object; with the names of those, and with data. Objects are not asked about each other."""
         other = CollisionManager()

@@ -240,3 +240,51 @@ fn small_triangles_of_large_meshes() {
     }
     assert!(hits > 20_000, "{hits}");
 }
+
+#[test]
+#[cfg(feature = "within")]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn within_a_distance_in_f64_as_every_two_triangles() {
+    let mut rng = seeded(35);
+    let (mut hits, mut own_hits) = (0, 0);
+    for round in 0..24 {
+        let far = [0.0, 5e6, 1e12][round % 3];
+        let mut mesh = || {
+            let (positions, triangles) = soup(&mut rng, 30, 1.0, [far; 3]);
+            Owned::new(positions, triangles, true)
+        };
+        let (a, b) = (mesh(), mesh());
+        let turned = pose(&mut rng, 1.0);
+        for distance in [1e-3, 0.1, 0.5] {
+            let [of_a, of_b] = [a.posed(&Pose64::IDENTITY), b.posed(&turned)];
+            let near = |p: &_, q: &_| crate::triangle::within_in_f64(p, q, distance);
+            let mut expected = Vec::new();
+            for (i, p) in (0..).zip(&of_a) {
+                let found = (0..).zip(&of_b).filter(|(_, q)| near(p, q));
+                expected.extend(found.map(|(j, _)| TrianglePair { a: i, b: j }));
+            }
+            let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &turned).unwrap();
+            assert_eq!(sorted(&query.within(distance).unwrap()), expected, "{round} {distance}");
+            hits += expected.len();
+
+            expected.clear();
+            for j in 0..a.triangles.len() as u32 {
+                for i in 0..j {
+                    let [s, t] = [i, j].map(|t| a.triangles[t as usize]);
+                    let [p, q] = [i, j].map(|t| a.mesh().triangle_f64(t));
+                    let is_hit = if s.iter().any(|vertex| t.contains(vertex)) {
+                        intersects_in_mesh(a.mesh(), i, j, Adjacency::SharedIndexRule)
+                    } else {
+                        near(&p, &q)
+                    };
+                    expected.extend(is_hit.then_some(TrianglePair { a: i, b: j }));
+                }
+            }
+            expected.sort_unstable();
+            let query = SelfBvtt::new(a.bvh()).within(distance).unwrap();
+            assert_eq!(sorted(&query), expected, "{round} {distance}");
+            own_hits += expected.len();
+        }
+    }
+    assert!(hits > 1_000 && own_hits > 1_000, "{hits} {own_hits}");
+}

@@ -7,6 +7,8 @@ mod blocks;
 mod in_f64;
 mod queries;
 mod steps;
+#[cfg(feature = "within")]
+mod within;
 
 use super::{Query, TrianglePair, Work};
 use crate::Mesh;

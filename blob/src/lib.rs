@@ -1,3 +1,4 @@
+#![no_std]
 //! Blobs: a mesh and its BVH as bytes, written once, kept in flash or in a file, and borrowed from there.
 //!
 //! A blob is a header of 64 bytes and four or five sections, in this order. Everything is little-endian, and the same
@@ -41,9 +42,12 @@
 //! # Versions
 //! The version changes when old readers would misread a blob; they refuse kinds that they do not know. The first 12 bytes stay as they are in every version.
 //!
+//! # Features
+//! `f64`, on by default, as in `pfront-core`: without it a blob of a mesh in f64 is refused.
+//!
 //! # Examples
 //! ```
-//! use pfront_core::blob::{self, Aligned, Blob, Counts};
+//! use pfront_blob::{Aligned, Blob, Counts};
 //! use pfront_core::{Bvh, Mesh, Node};
 //! // On the machine that bakes:
 //! let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
@@ -51,7 +55,7 @@
 //! let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
 //! const BYTES: usize = Counts { nodes: 1, vertices: 3, triangles: 1, positions_f64: 0 }.bytes();
 //! let mut baked = Aligned([0; BYTES]);
-//! blob::write(&bvh, &mut baked.0)?;
+//! pfront_blob::write(&bvh, &mut baked.0)?;
 //!
 //! // On the one that borrows:
 //! let blob = Blob::new(&baked.0)?;
@@ -70,15 +74,15 @@ mod tests;
 pub use error::BlobError;
 pub use header::{Counts, MAGIC};
 
-use crate::{Bvh, BvhError, CapacityError, Mesh, Node};
 use bytes::{borrow, copy_from, copy_to};
 use header::{Header, checksum};
+use pfront_core::{Bvh, BvhError, CapacityError, Mesh, Node};
 
 /// A value that begins at a multiple of 64 bytes, for a [`Blob`] to be borrowed.
 ///
 /// # Examples
 /// ```
-/// use pfront_core::blob::Aligned;
+/// use pfront_blob::Aligned;
 /// # macro_rules! include_bytes { ($file:literal) => { b"64 bytes and more" } }
 /// static GEAR: &Aligned<[u8]> = &Aligned(*include_bytes!("gear.pfb"));
 /// assert!(GEAR.0.as_ptr().addr().is_multiple_of(64));
@@ -121,7 +125,7 @@ impl<'a> Blob<'a> {
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::blob::{Blob, BlobError};
+    /// use pfront_blob::{Blob, BlobError};
     /// assert_eq!(Blob::new(b"solid teapot").err(), Some(BlobError::Magic));
     /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, BlobError> {
@@ -187,13 +191,14 @@ impl<'a> Blob<'a> {
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::{blob::{self, Blob, BlobStorage}, Bvh, Mesh, Node};
+    /// use pfront_blob::{Blob, BlobStorage};
+    /// use pfront_core::{Bvh, Mesh, Node};
     /// let (points, mut shadow) = ([[0.1, 0.2, 0.3]; 3], [[0.0; 3]; 3]);
     /// let mesh = Mesh::from_f64(&points, &[[0, 1, 2]], &mut shadow)?;
     /// let nodes = [Node { min: [0.0; 3], first: 0, max: [0.0; 3], count: 1 }];
     /// let bvh = Bvh::new(mesh, &nodes, &[0], &mut [0])?;
     /// let mut baked = [0; 512];
-    /// let blob = Blob::new(blob::write(&bvh, &mut baked)?)?;
+    /// let blob = Blob::new(pfront_blob::write(&bvh, &mut baked)?)?;
     ///
     /// let mut positions_f64 = [[0.0; 3]; 3];
     /// let storage = BlobStorage {

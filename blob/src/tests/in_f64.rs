@@ -72,7 +72,7 @@ fn a_buffer_that_is_too_small_is_named() {
     let blob = Blob::new(&bytes).unwrap();
     let mut room = Owned::room(blob.counts());
     let needed = positions.len();
-    let error = CapacityError { buffer: "positions_f64", needed, capacity: needed - 1 };
+    let error = CapacityError::check("positions_f64", needed, needed - 1).unwrap_err();
     let mut short = vec![[0.0; 3]; needed - 1];
     let found = blob.read_into_f64(room.storage(), &mut short, &mut [0; 4]).err();
     assert_eq!(found, Some(error.into()));

@@ -1,7 +1,6 @@
 //! The error of reading blobs.
 
-use crate::BvhError;
-use crate::{CapacityError, MeshError};
+use pfront_core::{BvhError, CapacityError, MeshError};
 
 /// The fault of bytes that are not a blob of a BVH, or the reason why they cannot be read as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

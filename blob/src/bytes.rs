@@ -1,8 +1,8 @@
 //! Conversion between little-endian bytes and elements that consist of words of so many bytes.
 
 use super::BlobError;
-use crate::CapacityError;
 use bytemuck::Pod;
+use pfront_core::CapacityError;
 
 /// The elements where they lie.
 pub(super) fn borrow<T: Pod>(bytes: &[u8]) -> Result<&[T], BlobError> {

@@ -7,8 +7,9 @@ mod hostile;
 mod in_f64;
 
 use super::*;
-use crate::MeshError;
-use crate::bvh::tests::Owned;
+use pfront_core::MeshError;
+use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound, sah};
+use pfront_testkit::MeshData;
 use pfront_testkit::shapes::strip;
 use std::prelude::v1::*;
 use std::{format, vec};
@@ -42,7 +43,38 @@ fn aligned(bytes: &[u8]) -> Box<Aligned<[u8]>> {
     to
 }
 
+/// A mesh and its BVH.
+#[derive(Clone, Debug, PartialEq)]
+struct Owned {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+}
+
 impl Owned {
+    fn new(soup: MeshData, leaf_size: u32, by_morton: bool) -> Self {
+        let MeshData { positions, triangles } = soup;
+        let mesh = Mesh::new(&positions, &triangles).unwrap();
+        let n = triangles.len();
+        let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
+        let built = if by_morton {
+            morton(mesh, &options, storage, &mut vec![0; 2 * n])
+        } else {
+            sah(mesh, &options, storage, &mut vec![Node::EMPTY; n])
+        };
+        let used = built.unwrap().nodes().len();
+        nodes.truncate(used);
+        Self { positions, triangles, nodes, order }
+    }
+
+    fn bvh(&self) -> Bvh<'_> {
+        let mesh = Mesh::new_unchecked(&self.positions, &self.triangles);
+        Bvh::new_unchecked(mesh, &self.nodes, &self.order)
+    }
+
     fn room(counts: Counts) -> Self {
         Self {
             nodes: vec![Node::EMPTY; counts.nodes],
@@ -139,7 +171,7 @@ fn bytes_may_lie_anywhere_to_be_copied() {
 fn buffers_that_are_too_small_are_named() {
     let own = triangle();
     let short = write(&own.bvh(), &mut [0; 163]).err();
-    let error = CapacityError { buffer: "out", needed: 164, capacity: 163 };
+    let error = CapacityError::check("out", 164, 163).unwrap_err();
     assert_eq!(short, Some(error.into()));
     let golden = GOLDEN.concat();
     let blob = Blob::new(&golden).unwrap();

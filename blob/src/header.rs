@@ -1,9 +1,9 @@
 //! The header, the place of each section, and the checksum.
 
 use super::BlobError;
-use crate::{Bvh, Node};
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
+use pfront_core::{Bvh, Node};
 
 /// The first bytes of a blob. The first is not text, and a transfer that changes line ends changes the others.
 pub const MAGIC: [u8; 8] = *b"\x89PFB\r\n\x1a\n";
@@ -118,7 +118,7 @@ impl Header {
 /// How many nodes, vertices and triangles a blob holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// Nodes in use, with the unused slot 1: at most [`node_bound`](crate::bvh::node_bound).
+    /// Nodes in use, with the unused slot 1: at most [`node_bound`](pfront_core::bvh::node_bound).
     pub nodes: usize,
     /// Vertices.
     pub vertices: usize,
@@ -145,7 +145,8 @@ impl Counts {
     ///
     /// # Examples
     /// ```
-    /// use pfront_core::{blob::Counts, bvh::node_bound};
+    /// use pfront_blob::Counts;
+    /// use pfront_core::bvh::node_bound;
     /// let most = Counts { nodes: node_bound(1000), vertices: 500, triangles: 1000, positions_f64: 0 };
     /// assert_eq!(most.bytes(), 64 + 64_000 + 6_000 + 12_000 + 4_000);
     /// assert_eq!(Counts { positions_f64: 500, ..most }.bytes(), most.bytes() + 24 * 501);

@@ -1,0 +1,77 @@
+"""What a type checker finds, and what `help` and the README list."""
+
+import re
+import subprocess
+import sys
+
+from conftest import TOP
+
+import pfront as pf
+
+GOOD = """\
+import numpy as np
+import pfront as pf
+
+a = pf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+pose, poses = np.eye(4, dtype=np.float32), np.zeros((3, 4, 4))
+hit: bool = pf.collides(a, "b.stl", pose)
+hits = pf.pairs(a, a, [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+one: tuple[int, int] | None = pf.first(a)
+contacts = pf.contacts(a, (a.vertices, a.faces), pose)
+normals = contacts[~contacts.flat][:3].normals
+many = pf.contacts(a, a, poses)
+lengths = [len(found.segments) for found in many[1:]]
+unknown = pf.count(a, a, np.tile(pose, (3, 1, 1))).sum()  # whose shape no type tells
+counts: list[int] = [count for _, count in pf.sweep(a, a, poses, "count", chunk=2)]
+scene = pf.Scene.from_file("assembly.3mf")
+body: int = scene.add(a, pose, name="arm", itself=True)
+scene.set_poses(["arm"], poses[:1])
+table = scene.pairs()[:2].to_dict()["face_a"]
+with pf.using(threads=2, device="auto"):
+    print(pf.devices()[0]["name"], pf.explain(), scene.contacts().polylines()[0].shape)
+"""
+MISTAKES = {
+    "the name of an option": "pf.collides(a, a, poze=pose)",
+    "a verb": 'pf.sweep(a, a, poses, "contact")',
+    "hits taken for contacts": "scene.pairs().segments",
+    "pairs taken for contacts": "hits.normals",
+    "contacts of many poses taken for those of one": "many.segments",
+    "a missing argument": "pf.Mesh(a.vertices)",
+    "a pose that is none": 'pf.count(a, a, "identity")',
+    "meshes in the place of a pose": "pf.pairs(a, a, a)",
+    "a typo in an attribute": "a.vertexes",
+    "a typo in a method": "scene.intersecting_body()",
+    "a device that is none": 'pf.using(device="cuda")',
+    "a key that is none": 'pf.devices()[0]["nam"]',
+    "an answer of another kind": "number: str = pf.count(a, a, pose)",
+    "an answer that may be none": "pf.first(a)[0]",
+    "a scene in the place of a mesh": "pf.collides(scene, a)",
+    "a contact by its number": "contacts[3]",
+}
+
+
+def test_mypy_finds_each_mistake_and_nothing_else(tmp_path):
+    # A file for each, and all of them in one run.
+    files = {tmp_path / "good.py": None}
+    (tmp_path / "good.py").write_text(GOOD)
+    for i, mistake in enumerate(MISTAKES.values()):
+        files[path := tmp_path / f"mistake_{i}.py"] = mistake
+        path.write_text(f"{GOOD}{mistake}\n")
+    command = [sys.executable, "-m", "mypy", "--strict", "--hide-error-context", "--no-error-summary", *map(str, files)]
+    told = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    found = re.findall(r"^(\S+):(\d+): error", told.stdout, re.M)
+    last = GOOD.count("\n") + 1
+    wrong = [(path.name, str(last)) for path, mistake in files.items() if mistake]
+    assert sorted(set(found)) == sorted(wrong), told.stdout + told.stderr
+
+
+def test_help_and_the_readme_list_everything_that_is_public():
+    table = pf.__doc__[pf.__doc__.index("    Meshes\n") : pf.__doc__.index("\n\n>>>")]
+    listed, rows = [], re.findall(r"^      (\S+(?:, \S+)*)  ", table, re.M)
+    for name in ", ".join(rows).split(", "):
+        listed.append(listed[-1].partition(".")[0] + name if name.startswith(".") else name)
+    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged]
+    members = {f"{kind.__name__}.{name}" for kind in kinds for name in {*vars(kind), *vars(kind).get("__annotations__", ())}}
+    assert sorted(listed) == sorted({*pf.__all__, *(name for name in members if "._" not in name)})
+    indented = "\n".join(line[4:] for line in table.splitlines())
+    assert f"```text\n{indented}\n```" in (TOP / "bindings/python/README.md").read_text()

@@ -1,0 +1,148 @@
+//! The triangle pairs of two blocks that are within a distance.
+//!
+//! Few lanes of a row are left after the test of boxes, and [`nearest`](super::nearest) takes long. So pairs of all rows are
+//! gathered until every lane has one.
+
+use super::block::TriangleBlock;
+use super::cull::PairSets;
+use super::nearest::{Reach, certify};
+use crate::simd::point8::{Points, chunk_starts, load, splat};
+use crate::simd::{LANES, Simd};
+use crate::{Aabb, Mesh};
+use glam::Vec3A;
+
+impl TriangleBlock {
+    /// The `allowed` pairs with the triangles of `other`, as [`TriangleBlock::cull`] has them for those that intersect: with hits
+    /// that are certainly at most `distance` apart. Of one `mesh`, triangles that share a vertex are left open, as others are
+    /// only if f32 does not decide them; with `boxes_only`, all are whose boxes are so near on each axis. If corners are shadows of others in f64, differences of coordinates may be off by
+    /// `error`.
+    #[inline(always)]
+    pub(super) fn near<S: Simd, const SELF: bool>(
+        &self,
+        other: &Self,
+        allowed: u64,
+        mesh: Mesh<'_>,
+        distance: f32,
+        boxes_only: bool,
+        error: Option<Vec3A>,
+    ) -> PairSets {
+        let mut pairs = PairSets::default();
+        let error = error.unwrap_or(Vec3A::ZERO);
+        // Rounded up, so that no box is too far away that is not.
+        let grown = |k: usize| S::splat((error[k] + distance).next_up());
+        let around = Some([grown(0), grown(1), grown(2)]);
+        let Aabb { min, max } = self.bounds;
+        let mut rows = other.overlapping(min.map(S::splat), max.map(S::splat), around);
+        while rows != 0 {
+            let j = rows.trailing_zeros() as usize % LANES;
+            rows &= rows - 1;
+            let shift = LANES * j;
+            let overlapping =
+                self.overlapping(splat::<S>(&other.min, j), splat(&other.max, j), around);
+            let mut found = overlapping & (allowed >> shift) as u32;
+            pairs.overlapping |= u64::from(found) << shift;
+            if SELF {
+                found &= !self.share_certified_vertex::<S>(other, j);
+            }
+            pairs.open |= u64::from(found) << shift;
+        }
+        if SELF && boxes_only {
+            return PairSets { open: pairs.overlapping, ..pairs };
+        }
+        if SELF {
+            pairs.may_share_vertex = self.sharing(other, pairs.open, mesh);
+        }
+        let mut left = pairs.open & !pairs.may_share_vertex;
+        let scale = scale(&self.bounds, &other.bounds);
+        let reach = Reach {
+            scale: S::splat(scale),
+            distance: S::splat(distance * scale),
+            error: S::splat((error.length() * scale).next_up()),
+        };
+        while left != 0 {
+            let mut group = Group::new();
+            left = group.gather(self, other, left);
+            let [within, beyond] = group.certify::<S>(&reach);
+            pairs.hits |= within;
+            pairs.open &= !(within | beyond);
+        }
+        pairs
+    }
+
+    /// Pairs of triangles of one mesh that share a vertex.
+    fn sharing(&self, other: &Self, pairs: u64, mesh: Mesh<'_>) -> u64 {
+        let (mut left, mut sharing) = (pairs, 0);
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let vertices =
+                |triangles: &[u32; LANES], lane| mesh.triangles()[triangles[lane % LANES] as usize];
+            let of_b = vertices(&other.triangles, bit / LANES);
+            let is_shared = vertices(&self.triangles, bit).iter().any(|v| of_b.contains(v));
+            sharing |= u64::from(is_shared) << bit;
+        }
+        sharing
+    }
+}
+
+/// A power of two by which the coordinates of two blocks, from a corner of theirs, become about 1 at most.
+fn scale(a: &Aabb, b: &Aabb) -> f32 {
+    let [a, b] = [a, b].map(|of| [of.min, of.max].map(Vec3A::from_array));
+    let extent = (a[1].max(b[1]) - a[0].min(b[0])).max_element();
+    // Far from where products of six factors overflow.
+    let exponent = (extent.to_bits() >> 23).clamp(27, 227);
+    f32::from_bits((254 - exponent) << 23)
+}
+
+/// As many pairs as there are lanes.
+struct Group {
+    corners: [[Points; 3]; 2],
+    /// The bit of each.
+    bits: [u32; LANES],
+    len: usize,
+}
+
+impl Group {
+    fn new() -> Self {
+        Self { corners: [[[[0.0; LANES]; 3]; 3]; 2], bits: [0; LANES], len: 0 }
+    }
+
+    /// Takes pairs until every lane has one. Returns those that are left.
+    #[inline(always)]
+    fn gather(&mut self, a: &TriangleBlock, b: &TriangleBlock, mut pairs: u64) -> u64 {
+        while pairs != 0 && self.len < LANES {
+            let bit = pairs.trailing_zeros();
+            pairs &= pairs - 1;
+            let (i, j) = (bit as usize % LANES, bit as usize / LANES % LANES);
+            for (to, (block, lane)) in self.corners.iter_mut().zip([(a, i), (b, j)]) {
+                for (to, from) in to.iter_mut().zip(&block.corners) {
+                    for (to, from) in to.iter_mut().zip(from) {
+                        to[self.len] = from[lane];
+                    }
+                }
+            }
+            self.bits[self.len] = bit;
+            self.len += 1;
+        }
+        pairs
+    }
+
+    /// Pairs that are certainly within the distance, and beyond it.
+    #[inline(always)]
+    fn certify<S: Simd>(&self, reach: &Reach<S>) -> [u64; 2] {
+        let mut lanes = [0; 2];
+        for at in chunk_starts::<S>().take_while(|at| *at < self.len) {
+            let [a, b] =
+                self.corners.each_ref().map(|[p, q, r]| [load(p, at), load(q, at), load(r, at)]);
+            let found = certify::<S>(a, b, reach);
+            lanes[0] |= found[0] << at;
+            lanes[1] |= found[1] << at;
+        }
+        let mut pairs = [0; 2];
+        for (lane, &bit) in self.bits.iter().enumerate().take(self.len) {
+            pairs[0] |= u64::from(lanes[0] >> lane & 1) << bit;
+            pairs[1] |= u64::from(lanes[1] >> lane & 1) << bit;
+        }
+        pairs
+    }
+}
