@@ -14,7 +14,6 @@ use pfront::Pose;
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::{self, Read, Seek, Write};
-use std::mem::take;
 
 const MAGIC: &[u8; 8] = b"TRICOLW1";
 const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];
@@ -44,7 +43,9 @@ pub enum Frame<'a> {
 /// A workload file being read.
 #[derive(Debug)]
 pub struct Workload<R> {
-    header: Header,
+    kind: Kind,
+    /// The frames that are read.
+    pub frames: u32,
     reader: Reader<R>,
     next: u32,
     poses: Vec<Pose>,
@@ -52,11 +53,11 @@ pub struct Workload<R> {
 }
 
 impl<R: Read + Seek> Workload<R> {
-    /// Reads all but the frames, and checks that they are there.
+    /// Reads what frames have in common, and checks that they are there.
     ///
     /// # Errors
     /// The offset of what is not as the format says.
-    pub fn open(from: R) -> Result<Self> {
+    pub fn open(from: R) -> Result<(Header, Self)> {
         let mut reader = Reader::new(from, MAGIC, "a workload")?;
         let mut words = [0_u32; 4];
         reader.words("the header", &mut words)?;
@@ -99,24 +100,7 @@ impl<R: Read + Seek> Workload<R> {
             Kind::Pair | Kind::Many => (vec![Pose::IDENTITY; objects.len()], Vec::new()),
         };
         let header = Header { kind, meshes, objects, frames };
-        Ok(Self { header, reader, next: 0, poses, positions })
-    }
-
-    /// The header: all that the frames have in common.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Hands over the meshes and objects, which are not needed to read on.
-    pub fn take_header(&mut self) -> Header {
-        let Header { kind, meshes, objects, frames } = &mut self.header;
-        let (meshes, objects) = (take(meshes), take(objects));
-        Header { kind: *kind, meshes, objects, frames: *frames }
-    }
-
-    /// Ends after `frames` of them, if there are more.
-    pub fn shorten(&mut self, frames: u32) {
-        self.header.frames = self.header.frames.min(frames);
+        Ok((header, Self { kind, frames, reader, next: 0, poses, positions }))
     }
 
     /// The next frame, `None` after the last.
@@ -124,16 +108,16 @@ impl<R: Read + Seek> Workload<R> {
     /// # Errors
     /// If it cannot be read, or moves the first object of a pair.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>> {
-        if self.next == self.header.frames {
+        if self.next == self.frames {
             return Ok(None);
         }
         self.next += 1;
-        if self.header.kind == Kind::SelfMesh {
+        if self.kind == Kind::SelfMesh {
             self.reader.words("the positions of a frame", &mut self.positions)?;
             return Ok(Some(Frame::Positions(&self.positions)));
         }
         self.reader.words("the poses of a frame", &mut self.poses)?;
-        if self.header.kind == Kind::Pair && self.poses[0] != Pose::IDENTITY {
+        if self.kind == Kind::Pair && self.poses[0] != Pose::IDENTITY {
             let back = size_of_val(&self.poses[..]) as u64;
             return Err(self.reader.invalid(back, "object 0 of a pair is not at the identity"));
         }

@@ -50,12 +50,12 @@ fn written(kind: Kind) -> Vec<u8> {
 
 /// Reads everything; how many frames there were.
 fn read(bytes: &[u8]) -> anyhow::Result<u32> {
-    let mut workload = Workload::open(Cursor::new(bytes))?;
+    let (header, mut workload) = Workload::open(Cursor::new(bytes))?;
     let mut frames = 0;
     while workload.next_frame()?.is_some() {
         frames += 1;
     }
-    assert_eq!(frames, workload.header().frames);
+    assert_eq!(frames, header.frames);
     Ok(frames)
 }
 
@@ -73,11 +73,11 @@ fn bytes_are_as_specified() {
         let rows = [1.0, 0.0, 0.0, translation, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         bytes.extend(rows.iter().flat_map(|x| x.to_le_bytes()));
     }
-    let mut workload = Workload::open(Cursor::new(&bytes)).unwrap();
-    assert_eq!(workload.header().meshes[0].triangles, [[0, 1, 2]]);
+    let (header, mut workload) = Workload::open(Cursor::new(&bytes)).unwrap();
+    assert_eq!(header.meshes[0].triangles, [[0, 1, 2]]);
     let poses = [Pose::IDENTITY, Pose::from_translation([7.0, 0.0, 0.0])];
     let mut again = Vec::new();
-    let mut to = WorkloadWriter::new(&mut again, workload.header()).unwrap();
+    let mut to = WorkloadWriter::new(&mut again, &header).unwrap();
     assert_eq!(workload.next_frame().unwrap(), Some(Frame::Poses(&poses)));
     assert_eq!(workload.next_frame().unwrap(), None);
     to.frame(Frame::Poses(&poses)).unwrap();

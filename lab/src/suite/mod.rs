@@ -9,7 +9,6 @@
 //! machine; a suite of 10^8 pairs takes no memory.
 
 mod contacts;
-mod scenes;
 
 pub use contacts::Contacts;
 
@@ -91,7 +90,7 @@ impl Suite {
     /// If a scene is too coarse for its bodies to come near each other.
     pub fn generated(seed: u64, size: Option<usize>) -> Result<Self> {
         let mut suite = Self::of_families(seed);
-        suite.sets.extend(scenes::all(size)?.into_iter().map(Set::Contacts));
+        suite.sets.extend(contacts::all(size)?.into_iter().map(Set::Contacts));
         Ok(suite)
     }
 
