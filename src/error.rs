@@ -3,7 +3,7 @@
 use crate::BodyId;
 use pfront_blob::BlobError;
 use pfront_core::pose::PoseError;
-use pfront_core::{CapacityError, MeshError};
+use pfront_core::{CapacityError, DistanceError, MeshError};
 
 /// Why a call could not answer. Each variant names the vertex, triangle, entry or size at fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,6 +18,9 @@ pub enum Error {
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),
+    /// A distance within which pairs are asked for is NaN, infinite or negative.
+    #[error(transparent)]
+    Distance(#[from] DistanceError),
     /// A body is no longer in the scene.
     #[error("{id} is not in the scene; it has been removed or split")]
     StaleBody {

@@ -64,6 +64,7 @@ mod error;
 pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod itself;
 mod memory;
 mod model;
 mod once;
@@ -74,11 +75,11 @@ mod sphere;
 mod subject;
 mod subject_query;
 mod ticket;
-mod within;
 
 pub use batch::{Batch, PairLists};
 pub use error::Error;
 pub use executor::Executor;
+pub use itself::SelfQuery;
 pub use model::{Model, Scalar, Stamp};
 pub use once::{any, count, pairs, self_pairs};
 pub use pair::PairQuery;
@@ -86,7 +87,6 @@ pub use pose::AnyPose;
 pub use scene::{Body, BodyId, BodyOptions, Groups, Piece, SceneHit, SceneQuery};
 pub use sphere::Sphere;
 pub use ticket::Ticket;
-pub use within::SelfQuery;
 
 pub use pfront_blob::{self, Blob, BlobError};
 pub use pfront_core;
@@ -94,7 +94,7 @@ pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::TrianglePair;
 pub use pfront_core::pose::PoseError;
 pub use pfront_core::triangle::{Adjacency, Contact};
-pub use pfront_core::{Aabb, Bvh, Mesh, MeshError, Node, Pose, Pose64};
+pub use pfront_core::{Aabb, Bvh, Distance, DistanceError, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.
 #[cfg(feature = "threads")]
 pub use pfront_cpu as threads;

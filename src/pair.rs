@@ -4,7 +4,7 @@ use crate::environment::with_default;
 use crate::executor::Plan;
 use crate::subject::Subject;
 use crate::subject_query::SubjectQuery;
-use crate::{AnyPose, Contact, Error, Executor, Model, TrianglePair};
+use crate::{AnyPose, Contact, Distance, Error, Executor, Model, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
@@ -26,6 +26,7 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PairQuery {
+    within: Distance,
     query: SubjectQuery,
 }
 
@@ -49,7 +50,30 @@ impl PairQuery {
     /// ```
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
-        Self { query: self.query.on(executor) }
+        Self { query: self.query.on(executor), ..self }
+    }
+
+    /// Asks for pairs at most `distance` apart in place of those that intersect, exactly: touching counts at the distance, too, and
+    /// at 0 the pairs are those that intersect. CPUs answer, whatever the executor. Contacts are those of the pairs that
+    /// intersect.
+    ///
+    /// # Errors
+    /// [`Error::Distance`] if the distance is NaN, infinite or negative.
+    ///
+    /// # Complexity
+    /// As without, for boxes that are grown by the distance, and the pairs that are then near.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// let triangle = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let above = Pose::from_translation([0.0, 0.0, 0.02]);
+    /// assert_eq!(PairQuery::new().count(&triangle, &triangle, above)?, 0);
+    /// assert_eq!(PairQuery::new().within(0.02)?.count(&triangle, &triangle, above)?, 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn within(self, distance: f32) -> Result<Self, Error> {
+        Ok(Self { within: Distance::new(distance)?, ..self })
     }
 
     /// Counts and times of the last frame on threads; see [`Report`](crate::threads::Report).
@@ -81,7 +105,7 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[TrianglePair], Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         self.query.all(&subject)
     }
 
@@ -95,7 +119,7 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Option<TrianglePair>, Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         self.query.any(&subject)
     }
 
@@ -109,7 +133,7 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<u64, Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         self.query.count(&subject)
     }
 
@@ -139,7 +163,7 @@ impl PairQuery {
         a_from_b: impl Into<AnyPose>,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         let tree = with_default(|| subject.tree())?;
         Ok(self.query.visit(&tree, visit))
     }
@@ -155,7 +179,7 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<&[(TrianglePair, Contact)], Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         self.query.contacts(&subject)
     }
 
@@ -180,15 +204,16 @@ impl PairQuery {
         b: &Model,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
-        let subject = subject(a, b, a_from_b)?;
+        let subject = self.subject(a, b, a_from_b)?;
         self.query.contacts_f64(&subject)
     }
-}
 
-fn subject<'m>(
-    a: &'m Model,
-    b: &'m Model,
-    a_from_b: impl Into<AnyPose>,
-) -> Result<Subject<&'m Model>, Error> {
-    with_default(|| Subject::pair([a, b], a_from_b.into()))
+    fn subject<'m>(
+        &self,
+        a: &'m Model,
+        b: &'m Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<Subject<&'m Model>, Error> {
+        with_default(|| Subject::pair([a, b], a_from_b.into(), self.within))
+    }
 }

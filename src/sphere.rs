@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use pfront_core::bvtt::PosedBvh;
-use pfront_core::{Aabb, Bvh, Pose, Pose64};
+use pfront_core::{Aabb, Bvh, Distance, Pose, Pose64};
 
 /// A closed ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,10 +75,10 @@ impl Sphere {
         Self { centre: centre.to_array(), radius: upwards(stretch * radius + error.length()) }
     }
 
-    /// Whether two balls may share a point; `false` is certain.
+    /// Whether two balls may have points within a distance; `false` is certain.
     #[inline]
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        let reach = f64::from(self.radius) + f64::from(other.radius);
+    pub(crate) fn is_near(&self, other: &Self, within: Distance) -> bool {
+        let reach = f64::from(self.radius) + f64::from(other.radius) + f64::from(within.get());
         let distance = vector(&self.centre).distance_squared(vector(&other.centre));
         let separated = distance > reach * reach * (1.0 + 1e-12);
         // NaN separates nothing.
@@ -144,20 +144,30 @@ mod tests {
         let all = Sphere { centre: [3e38; 3], radius: 1e37 };
         let all = all.posed(&Pose64::from_translation([1e38, 0.0, 0.0]));
         let far = Sphere { centre: [3e38; 3], radius: 1.0 };
-        assert!(all.overlaps(&far) && far.overlaps(&all) && all.overlaps(&all));
-        assert!(!far.overlaps(&Sphere { centre: [-3e38; 3], radius: 1.0 }));
+        assert!(
+            all.is_near(&far, Distance::default())
+                && far.is_near(&all, Distance::default())
+                && all.is_near(&all, Distance::default())
+        );
+        assert!(!far.is_near(&Sphere { centre: [-3e38; 3], radius: 1.0 }, Distance::default()));
     }
 
     #[test]
     fn moved_spheres_overlap_where_they_meet() {
         let unit = Sphere { centre: [0.0; 3], radius: 1.0 };
         let moved = |x| unit.posed(&Pose64::from_translation([x, 0.0, 0.0]));
-        assert!(!unit.overlaps(&moved(2.5)) && moved(2.5).overlaps(&moved(1.0)));
+        assert!(
+            !unit.is_near(&moved(2.5), Distance::default())
+                && moved(2.5).is_near(&moved(1.0), Distance::default())
+        );
     }
 
     #[test]
     fn balls_that_touch_overlap() {
         let at = |x| Sphere { centre: [x, 0.0, 0.0], radius: 1.0 };
-        assert!(at(0.0).overlaps(&at(2.0)) && !at(0.0).overlaps(&at(2.0 + 1e-6)));
+        assert!(
+            at(0.0).is_near(&at(2.0), Distance::default())
+                && !at(0.0).is_near(&at(2.0 + 1e-6), Distance::default())
+        );
     }
 }

@@ -1,17 +1,17 @@
 //! The subjects of questions: two models, or one and itself.
 
 use crate::model::{Outline, Stamp};
-use crate::{Adjacency, AnyPose, Error, Model};
+use crate::{Adjacency, AnyPose, Distance, Error, Model};
 use pfront_core::bvtt::{AnyBvtt, SelfBvtt};
 use std::borrow::Borrow;
 
-/// A subject of a frame, which borrows its models or shares them.
+/// A subject of a frame, which borrows its models or shares them, and the distance within which pairs are hits.
 #[derive(Clone, Debug)]
 pub(crate) enum Subject<M> {
     /// Two models, the second in a pose that suits it.
-    Pair { models: [M; 2], a_from_b: AnyPose },
+    Pair { models: [M; 2], a_from_b: AnyPose, within: Distance },
     /// A model and itself.
-    Within { models: [M; 1], adjacency: Adjacency },
+    Itself { models: [M; 1], adjacency: Adjacency, within: Distance },
 }
 
 /// All that an answer about a subject depends on: of equal keys the same answer is true.
@@ -21,6 +21,7 @@ pub(crate) struct Key {
     /// None within one mesh.
     a_from_b: Option<AnyPose>,
     adjacency: Adjacency,
+    within: Distance,
 }
 
 impl Key {
@@ -35,13 +36,17 @@ impl<'m> Subject<&'m Model> {
     ///
     /// # Errors
     /// [`Error::Pose`] if the pose does not suit the second.
-    pub(crate) fn pair(models: [&'m Model; 2], a_from_b: AnyPose) -> Result<Self, Error> {
+    pub(crate) fn pair(
+        models: [&'m Model; 2],
+        a_from_b: AnyPose,
+        within: Distance,
+    ) -> Result<Self, Error> {
         let [_, b] = models;
         // Vertices that no triangle has are in the outline too.
         if a_from_b.check(b.outline(&Outline::default())).is_err() {
             a_from_b.check(b.bvh())?;
         }
-        Ok(Self::Pair { models, a_from_b })
+        Ok(Self::Pair { models, a_from_b, within })
     }
 }
 
@@ -50,17 +55,17 @@ impl<M: Borrow<Model>> Subject<M> {
     pub(crate) fn both(&self) -> [&M; 2] {
         match self {
             Self::Pair { models: [a, b], .. } => [a, b],
-            Self::Within { models: [model], .. } => [model; 2],
+            Self::Itself { models: [model], .. } => [model; 2],
         }
     }
 
     pub(crate) fn key(&self) -> Key {
-        let (a_from_b, adjacency) = match self {
-            Self::Pair { a_from_b, .. } => (Some(*a_from_b), Adjacency::default()),
-            Self::Within { adjacency, .. } => (None, *adjacency),
+        let (a_from_b, adjacency, within) = match self {
+            Self::Pair { a_from_b, within, .. } => (Some(*a_from_b), Adjacency::default(), *within),
+            Self::Itself { adjacency, within, .. } => (None, *adjacency, *within),
         };
         let models = self.both().map(|model| model.borrow().stamp());
-        Key { models, a_from_b, adjacency }
+        Key { models, a_from_b, adjacency, within }
     }
 
     /// The tree that the CPU traverses. Fits the BVHs to the positions, if that has not been done.
@@ -69,11 +74,13 @@ impl<M: Borrow<Model>> Subject<M> {
     /// [`Error::Memory`] if there is no memory for what the traversal goes by.
     pub(crate) fn tree(&self) -> Result<AnyBvtt<'_>, Error> {
         match self {
-            Self::Pair { models, a_from_b } => {
+            Self::Pair { models, a_from_b, within } => {
                 let bvhs = models.each_ref().map(|model| model.borrow().bvh());
-                Ok(AnyBvtt::Pair(a_from_b.pair(bvhs)?))
+                Ok(AnyBvtt::Pair(a_from_b.pair(bvhs)?.within(*within)))
             }
-            Self::Within { models: [model], adjacency } => Ok(within(model.borrow(), *adjacency)),
+            Self::Itself { models: [model], adjacency, within } => {
+                Ok(itself(model.borrow(), *adjacency, *within))
+            }
         }
     }
 
@@ -83,12 +90,12 @@ impl<M: Borrow<Model>> Subject<M> {
         [of_a, of_b]: &'q [Outline; 2],
     ) -> Result<AnyBvtt<'q>, Error> {
         Ok(match self {
-            Self::Pair { models: [a, b], a_from_b } => {
+            Self::Pair { models: [a, b], a_from_b, .. } => {
                 let bvhs = [a.borrow().outline(of_a), b.borrow().outline(of_b)];
                 AnyBvtt::Pair(a_from_b.pair(bvhs)?)
             }
-            Self::Within { models: [model], .. } => {
-                AnyBvtt::Within(SelfBvtt::new(model.borrow().outline(of_a)))
+            Self::Itself { models: [model], .. } => {
+                AnyBvtt::Itself(SelfBvtt::new(model.borrow().outline(of_a)))
             }
         })
     }
@@ -96,18 +103,23 @@ impl<M: Borrow<Model>> Subject<M> {
     pub(crate) fn models(&self) -> &[M] {
         match self {
             Self::Pair { models, .. } => models,
-            Self::Within { models, .. } => models,
+            Self::Itself { models, .. } => models,
         }
     }
 
-    /// Whether no GPU answers: about a model in f64 and itself.
+    /// Whether no GPU answers: about pairs within a distance, and about a model in f64 and itself.
     pub(crate) fn is_for_cpu(&self) -> bool {
-        matches!(self, Self::Within { models: [model], .. } if model.borrow().is_f64())
+        match self {
+            Self::Pair { within, .. } => *within > Distance::default(),
+            Self::Itself { models: [model], within, .. } => {
+                *within > Distance::default() || model.borrow().is_f64()
+            }
+        }
     }
 }
 
 /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
-pub(crate) fn within(model: &Model, adjacency: Adjacency) -> AnyBvtt<'_> {
-    let tree = SelfBvtt::new(model.bvh()).with_adjacency(adjacency);
-    AnyBvtt::Within(tree.with_certificates(model.certificates()))
+pub(crate) fn itself(model: &Model, adjacency: Adjacency, within: Distance) -> AnyBvtt<'_> {
+    let tree = SelfBvtt::new(model.bvh()).with_adjacency(adjacency).within(within);
+    AnyBvtt::Itself(tree.with_certificates(model.certificates()))
 }

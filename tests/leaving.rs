@@ -114,8 +114,8 @@ fn leave(way: &str) -> Result<(), Error> {
     for i in 0..50 {
         batch.pair(&model, &model, Pose::from_translation([0.01 * i as f32, 0.0, 0.01]))?;
     }
-    batch.within(&model, Adjacency::default());
-    batch.within(&in_f64, Adjacency::default());
+    batch.itself(&model, Adjacency::default());
+    batch.itself(&in_f64, Adjacency::default());
     batch.pair(&model, &in_f64, Pose::from_translation([0.3, 0.0, 0.01]))?;
     let mut few = Batch::new();
     few.pair(&model, &model, Pose::from_translation([0.7, 0.0, 0.01]))?;

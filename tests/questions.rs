@@ -178,7 +178,7 @@ fn who_answers() -> Vec<Vec<String>> {
         let ask = |executor: &Executor| {
             let mut batch = Batch::new();
             batch.pair(&still, model, aside(0)).unwrap();
-            batch.within(model, Adjacency::default());
+            batch.itself(model, Adjacency::default());
             let ticket = batch.count(executor).unwrap();
             let plans = [0, 1].map(|question| backend(ticket.plan(question).as_ref()));
             ticket.read().unwrap();

@@ -81,13 +81,13 @@ fn mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
             continue;
         }
         if i % 8 == 7 {
-            batch.within(&sheet_f64, Adjacency::default());
+            batch.itself(&sheet_f64, Adjacency::default());
             truth.push(SelfQuery::new().all(&sheet_f64).unwrap().to_vec());
             continue;
         }
         if i % 5 == 3 {
             let adjacency = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours][i / 5 % 2];
-            batch.within(&sheet, adjacency);
+            batch.itself(&sheet, adjacency);
             let mut query = SelfQuery::new().with_adjacency(adjacency);
             truth.push(query.all(&sheet).unwrap().to_vec());
             continue;
@@ -419,11 +419,11 @@ fn small_mixed(count: usize) -> (Batch, Vec<Vec<TrianglePair>>) {
         let pose_f64 = Pose64::from_translation([0.17 * i as f64, 1e-9, 0.02]);
         let pairs = match i % 9 {
             4 => {
-                batch.within(&sheet, Adjacency::default());
+                batch.itself(&sheet, Adjacency::default());
                 SelfQuery::new().all(&sheet).unwrap().to_vec()
             }
             5 => {
-                batch.within(&sheet_f64, Adjacency::default());
+                batch.itself(&sheet_f64, Adjacency::default());
                 SelfQuery::new().all(&sheet_f64).unwrap().to_vec()
             }
             1 | 6 => {
@@ -556,9 +556,9 @@ mod on_a_gpu {
         assert_eq!(ask(&|batch| batch.pair(&ball, &ball, pose).unwrap()), on_gpu);
         assert_eq!(ask(&|batch| batch.pair(&ball_f64, &ball, pose).unwrap()), on_gpu);
         assert_eq!(ask(&|batch| batch.pair(&ball, &ball, pose_f64).unwrap()), on_gpu);
-        assert_eq!(ask(&|batch| batch.within(&ball, Adjacency::default())), on_gpu);
+        assert_eq!(ask(&|batch| batch.itself(&ball, Adjacency::default())), on_gpu);
         let on_cpu = (Backend::Sequential, Reason::CpuOnly, false);
-        assert_eq!(ask(&|batch| batch.within(&ball_f64, Adjacency::default())), on_cpu);
+        assert_eq!(ask(&|batch| batch.itself(&ball_f64, Adjacency::default())), on_cpu);
         // In one batch, each has its own.
         let (mut batch, _) = mixed(9);
         let ticket = batch.count(&executor).unwrap();

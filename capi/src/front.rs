@@ -145,7 +145,7 @@ impl<'c> Queries<'_, 'c> {
         let query = self.queries.get(number as usize);
         query.and_then(|query| query.asked(self.call).ok()).unwrap_or_else(|| {
             // Nothing, since it cannot fail.
-            AnyBvtt::Within(SelfBvtt::new(Bvh::new_unchecked(
+            AnyBvtt::Itself(SelfBvtt::new(Bvh::new_unchecked(
                 Mesh::new_unchecked(&[], &[]),
                 &[],
                 &[],

@@ -69,7 +69,7 @@ impl pfront_query_t {
                 let b = PosedBvh::new_unchecked(b, &self.frame_from_b.pose());
                 Ok(AnyBvtt::Pair(PairBvtt::in_world(a, b)))
             }
-            SELF => Ok(AnyBvtt::Within(self.within(self.a.view(call, c"bvh")?, call)?)),
+            SELF => Ok(AnyBvtt::Itself(self.within(self.a.view(call, c"bvh")?, call)?)),
             _ => Err(Fault::of(PFRONT_NOT_MADE, c"query")),
         }
     }

@@ -40,7 +40,7 @@ pub struct pfront_subject_t {
 /// A subject whose models are held.
 enum Subject {
     Pair(Arc<Model>, Arc<Model>, AnyPose),
-    Within(Arc<Model>, Adjacency),
+    Itself(Arc<Model>, Adjacency),
 }
 
 impl Subject {
@@ -54,7 +54,7 @@ impl Subject {
             Fault::below(c"rule", subject.rule as usize, 2)?;
             let skips = subject.rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32;
             let rule = if skips { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule };
-            return Ok(Self::Within(a, rule));
+            return Ok(Self::Itself(a, rule));
         }
         let b = call.cloned(c"b", subject.b)?;
         let pose = match subject.a_from_b_f64.is_null() {
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn pfront_model_query_all(
         let (ModelQuery { pair, within, pairs, .. }, subject) = asked(call, query, subject)?;
         let found = match &subject {
             Subject::Pair(a, b, pose) => pair.all(a, b, pose).map_err(fault)?,
-            Subject::Within(a, rule) => of_rule(within, *rule).all(a).map_err(fault)?,
+            Subject::Itself(a, rule) => of_rule(within, *rule).all(a).map_err(fault)?,
         };
         let for_c = |&TrianglePair { a, b }: &_| pfront_pair_t { a, b };
         replace(pairs, found.len(), found.iter().map(for_c))?;
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn pfront_model_query_any(
         let (query, subject) = asked(call, query, subject)?;
         let some = match &subject {
             Subject::Pair(a, b, pose) => query.pair.any(a, b, pose).map_err(fault)?,
-            Subject::Within(a, rule) => of_rule(&mut query.within, *rule).any(a).map_err(fault)?,
+            Subject::Itself(a, rule) => of_rule(&mut query.within, *rule).any(a).map_err(fault)?,
         };
         is_found.set(some.is_some().into());
         if let Some(TrianglePair { a, b }) = some {
@@ -224,7 +224,7 @@ pub unsafe extern "C" fn pfront_model_query_count(
         let (query, subject) = asked(call, query, subject)?;
         out.set(match &subject {
             Subject::Pair(a, b, pose) => query.pair.count(a, b, pose).map_err(fault)?,
-            Subject::Within(a, rule) => {
+            Subject::Itself(a, rule) => {
                 of_rule(&mut query.within, *rule).count(a).map_err(fault)?
             }
         });
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn pfront_model_query_contacts(
         let (ModelQuery { pair, within, contacts, .. }, subject) = asked(call, query, subject)?;
         let found = match &subject {
             Subject::Pair(a, b, pose) => pair.contacts(a, b, pose).map_err(fault)?,
-            Subject::Within(a, rule) => of_rule(within, *rule).contacts(a).map_err(fault)?,
+            Subject::Itself(a, rule) => of_rule(within, *rule).contacts(a).map_err(fault)?,
         };
         let for_c = |&(TrianglePair { a, b }, contact): &(_, _)| pfront_model_contact_t {
             pair: pfront_pair_t { a, b },
@@ -273,8 +273,8 @@ fn batch(
     for (index, subject) in call.read(c"subjects", subjects, subject_count)?.iter().enumerate() {
         let added = match Subject::new(call, *subject).map_err(|fault| fault.at(index))? {
             Subject::Pair(a, b, pose) => batch.pair(&a, &b, pose).map_err(fault),
-            Subject::Within(a, rule) => {
-                batch.within(&a, rule);
+            Subject::Itself(a, rule) => {
+                batch.itself(&a, rule);
                 Ok(())
             }
         };

@@ -1,4 +1,4 @@
-//! The errors for buffers that are too small, and for distances.
+//! The error for buffers that are too small.
 
 /// A buffer that the caller passed is too small. Nothing was written that later calls rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,24 +24,5 @@ impl CapacityError {
         capacity: usize,
     ) -> Result<(), CapacityError> {
         if capacity < needed { Err(Self { buffer, needed, capacity }) } else { Ok(()) }
-    }
-}
-
-/// A distance is NaN, infinite or negative.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("a distance must be finite and not negative, and {distance} is not")]
-#[non_exhaustive]
-pub struct DistanceError {
-    /// The distance.
-    pub distance: f32,
-}
-
-impl DistanceError {
-    /// Checks that a distance is finite and not negative.
-    ///
-    /// # Errors
-    /// The error that tells the distance, if it is not.
-    pub fn check(distance: f32) -> Result<(), DistanceError> {
-        if distance.is_finite() && distance >= 0.0 { Ok(()) } else { Err(Self { distance }) }
     }
 }

@@ -46,7 +46,7 @@ pub enum GpuQuestion<'m> {
     },
     /// A model and itself. Each unordered pair is reported once, with `a < b`; what two triangles share by index is no
     /// contact ([`pfront_core::triangle::intersects_in_mesh`]).
-    Within {
+    Itself {
         /// The model.
         model: &'m GpuModel,
         /// The rule for triangles that share a vertex.
@@ -77,7 +77,7 @@ impl<'m> GpuQuestion<'m> {
     /// A model and itself, under the shared-index rule.
     #[must_use]
     pub fn within(model: &'m GpuModel) -> Self {
-        Self::Within { model, adjacency: Adjacency::default() }
+        Self::Itself { model, adjacency: Adjacency::default() }
     }
 
     /// Binds the models; `None` if one is empty.
@@ -104,7 +104,7 @@ impl<'m> GpuQuestion<'m> {
                 let own = Query { sides, posed: [1; 2], error, shadows: 1, ..Query::zeroed() };
                 ([a, b], own)
             }
-            Self::Within { model, adjacency } => {
+            Self::Itself { model, adjacency } => {
                 if model.bounds.is_none() {
                     return Ok(None);
                 }

@@ -62,7 +62,7 @@ use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
 use crate::subject::Subject;
 use crate::ticket::Planned;
-use crate::{Adjacency, AnyPose, Error, Executor, Model, Ticket, TrianglePair};
+use crate::{Adjacency, AnyPose, Distance, Error, Executor, Model, Ticket, TrianglePair};
 use found::Found;
 use job::Job;
 use std::fmt;
@@ -81,12 +81,13 @@ use std::sync::Arc;
 /// let model = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
 /// let mut batch = Batch::new();
 /// batch.pair(&model, &model, Pose::IDENTITY)?;
-/// batch.within(&model, Adjacency::default());
+/// batch.itself(&model, Adjacency::default());
 /// assert_eq!(batch.count(&Executor::threads(4))?.read()?, [1, 0]);
 /// # Ok::<(), pfront::Error>(())
 /// ```
 #[derive(Clone, Default)]
 pub struct Batch {
+    within: Distance,
     job: Job,
 }
 
@@ -125,7 +126,8 @@ impl Batch {
     ) -> Result<(), Error> {
         let a_from_b = a_from_b.into();
         with_default(|| a_from_b.check(b.bvh()))?;
-        self.add(Subject::Pair { models: [a, b].map(Arc::clone), a_from_b });
+        let models = [a, b].map(Arc::clone);
+        self.add(Subject::Pair { models, a_from_b, within: self.within });
         Ok(())
     }
 
@@ -137,12 +139,36 @@ impl Batch {
     /// # use std::sync::Arc;
     /// let cloth = Arc::new(Model::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]])?);
     /// let mut batch = Batch::new();
-    /// batch.within(&cloth, Adjacency::default());
+    /// batch.itself(&cloth, Adjacency::default());
     /// assert_eq!(batch.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn within(&mut self, model: &Arc<Model>, adjacency: Adjacency) {
-        self.add(Subject::Within { models: [model.clone()], adjacency });
+    pub fn itself(&mut self, model: &Arc<Model>, adjacency: Adjacency) {
+        let models = [model.clone()];
+        self.add(Subject::Itself { models, adjacency, within: self.within });
+    }
+
+    /// Questions that are added from now on ask for pairs at most `distance` apart, as [`PairQuery::within`](crate::PairQuery::within) says.
+    ///
+    /// # Errors
+    /// [`Error::Distance`] if the distance is NaN, infinite or negative.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    /// # let part = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
+    /// let (mut batch, above) = (Batch::new(), Pose::from_translation([0.0, 0.0, 0.5]));
+    /// batch.pair(&part, &part, above)?;
+    /// batch.within(0.5)?;
+    /// batch.pair(&part, &part, above)?;
+    /// assert_eq!(batch.count(&Executor::sequential())?.read()?, [0, 1]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn within(&mut self, distance: f32) -> Result<(), Error> {
+        self.within = Distance::new(distance)?;
+        Ok(())
     }
 
     /// The number of questions.

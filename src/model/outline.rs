@@ -67,7 +67,10 @@ mod tests {
         let (still, mut moving, mut query) = (model(), model(), PairQuery::new());
         moving.set_positions_unfitted(&ball(2.0).0).unwrap();
         let far = Pose::from_translation([3.0e38, 0.0, 0.0]);
-        assert!(Subject::pair([&still, &moving], Pose::IDENTITY.into()).is_ok());
+        assert!(
+            Subject::pair([&still, &moving], Pose::IDENTITY.into(), crate::Distance::default())
+                .is_ok()
+        );
         assert!(!moving.is_fitted());
         assert!(query.count(&still, &moving, far).is_err());
         // Vertices that no triangle has may be anywhere.

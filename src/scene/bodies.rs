@@ -3,7 +3,7 @@
 use super::body::{Body, BodyOptions};
 use super::id::BodyId;
 use crate::memory::reserve;
-use crate::{AnyPose, Error, Model};
+use crate::{AnyPose, Distance, Error, Model};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -17,6 +17,8 @@ pub(super) struct Bodies {
     /// How many bodies are in f64 or are asked about themselves.
     not_of_gpu: usize,
     next: u64,
+    /// Bodies are near within it.
+    pub(super) within: Distance,
     /// Counts changes.
     time: u64,
     /// When a body last came or went.
@@ -42,7 +44,7 @@ impl Bodies {
 
     /// Whether a GPU answers about all pairs.
     pub(super) fn are_all_of_gpu(&self) -> bool {
-        self.not_of_gpu == 0
+        self.not_of_gpu == 0 && self.within == Distance::default()
     }
 
     /// Time of the last change; 0 before any.
@@ -222,10 +224,11 @@ impl Bodies {
             && (self.ignored.is_empty() || !self.ignored.contains(&[a.id, b.id]))
     }
 
-    /// Whether a GPU answers about two bodies, by their places: they are two, and none is in f64.
+    /// Whether a GPU answers about two bodies, by their places: they are two, none is in f64, and no distance is asked for.
     pub(super) fn are_of_gpu(&self, two: [u32; 2]) -> bool {
         let is_f64 = |&place: &u32| self.at(place).is_some_and(Body::is_f64);
-        self.not_of_gpu == 0 || two[0] != two[1] && !two.iter().any(is_f64)
+        self.are_all_of_gpu()
+            || self.within == Distance::default() && two[0] != two[1] && !two.iter().any(is_f64)
     }
 
     pub(super) fn get_mut(&mut self, id: BodyId) -> Result<&mut Body, Error> {

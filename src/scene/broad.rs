@@ -12,7 +12,7 @@ use crate::executor::{BLOCK, check, visit};
 use crate::memory::{copy, push, reserve};
 use crate::model::ONE_THREAD;
 use crate::sphere::Sphere;
-use crate::{Aabb, BuildOptions, Error, Model};
+use crate::{Aabb, BuildOptions, Distance, Error, Model};
 use pfront_core::bvh::MAX_DEPTH;
 use pfront_core::bvtt::SelfBvtt;
 use std::ops::ControlFlow;
@@ -113,7 +113,7 @@ impl Broad {
             }
         };
         check(cancel)?;
-        let query = SelfBvtt::new(boxes.bvh()).boxes_only();
+        let query = SelfBvtt::new(boxes.bvh()).boxes_only().within(bodies.within);
         let Self { pairs, spheres, places, .. } = self;
         let mut pushed = Ok(());
         visit(&query, cancel, |pair| {
@@ -159,7 +159,7 @@ impl Broad {
                 push(found, [place; 2])?;
             }
             let [min, max] = [self.corners[2 * own], self.corners[2 * own + 1]];
-            overlapping(boxes, &Aabb { min, max }, |i| {
+            overlapping(boxes, &grown(&Aabb { min, max }, bodies.within), |i| {
                 let other = places[i];
                 // If two have moved, the first finds the second.
                 let once = other > place || other < place && bodies.changed_at([other; 2]) <= at;
@@ -196,7 +196,7 @@ impl Broad {
     }
 }
 
-/// Whether the spheres of two bodies overlap, whose boxes do, by the numbers of these.
+/// Whether the spheres of two bodies are as near as is asked, whose boxes are, by the numbers of these.
 fn overlap(
     bodies: &Bodies,
     places: &[u32],
@@ -211,7 +211,18 @@ fn overlap(
         }
     });
     let (Some(a), Some(b)) = (a, b) else { return false };
-    a.overlaps(&b)
+    a.is_near(&b, bodies.within)
+}
+
+/// A box that contains all that is so near another.
+fn grown(aabb: &Aabb, within: Distance) -> Aabb {
+    if within == Distance::default() {
+        return *aabb;
+    }
+    Aabb {
+        min: aabb.min.map(|x| (x - within.get()).next_down()),
+        max: aabb.max.map(|x| (x + within.get()).next_up()),
+    }
 }
 
 /// Sorts pairs of so many bodies: counting sorts by the second of each and then by the first, since comparing would take longer

@@ -24,7 +24,7 @@ pub use id::BodyId;
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};
 use crate::memory::{extend, push};
-use crate::{Aabb, Contact, Error, Executor};
+use crate::{Aabb, Contact, Distance, Error, Executor};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
@@ -127,6 +127,31 @@ impl SceneQuery {
         self.history = History::on(executor);
         self.device = DeviceScene::default();
         self
+    }
+
+    /// Asks for pairs of bodies at most `distance` apart in the world, as [`PairQuery::within`](crate::PairQuery::within) says;
+    /// bodies that are asked about themselves, too, in their own frames. The list of hits is empty until the next question.
+    ///
+    /// # Errors
+    /// [`Error::Distance`] if the distance is NaN, infinite or negative.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, Pose, SceneQuery};
+    /// use std::sync::Arc;
+    /// let part = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let (part, mut scene) = (Arc::new(part), SceneQuery::new().within(0.02)?);
+    /// scene.add(part.clone(), Pose::IDENTITY)?;
+    /// scene.add(part.clone(), Pose::from_translation([0.0, 0.0, 0.02]))?;
+    /// scene.add(part, Pose::from_translation([0.0, 0.0, 0.05]))?;
+    /// assert_eq!(scene.all()?.len(), 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn within(mut self, distance: f32) -> Result<Self, Error> {
+        self.bodies.within = Distance::new(distance)?;
+        (self.broad, self.device) = Default::default();
+        (self.hits, self.contacts) = Default::default();
+        Ok(self)
     }
 
     /// Counts and times of the last frame on threads in which something had changed; see [`Report`](crate::threads::Report).

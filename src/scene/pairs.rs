@@ -4,9 +4,9 @@ use super::bodies::Bodies;
 use super::body::Body;
 use super::broad::{Broad, Places};
 use super::id::BodyId;
-use crate::Error;
 use crate::executor::Meeting;
-use crate::subject::within;
+use crate::subject::itself;
+use crate::{Distance, Error};
 use pfront_core::bvtt::{AnyBvtt, PairBvtt};
 
 /// The bodies of a frame, and which of them may meet.
@@ -54,15 +54,15 @@ impl<'s> BodyPairs<'s> {
     pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], AnyBvtt<'s>)> {
         // Always there: the places are those of this frame.
         let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-        Some(([a.id(), b.id()], tree(a, b)))
+        Some(([a.id(), b.id()], tree(a, b, self.bodies.within)))
     }
 }
 
 /// The BVTT of two bodies in the world, or of one and itself in its own frame.
-fn tree<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
+fn tree<'s>(a: &'s Body, b: &'s Body, within: Distance) -> AnyBvtt<'s> {
     match a.options.itself {
-        Some(adjacency) if a.id() == b.id() => within(&a.model, adjacency),
-        _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed())),
+        Some(adjacency) if a.id() == b.id() => itself(&a.model, adjacency, within),
+        _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed()).within(within)),
     }
 }
 
@@ -72,8 +72,8 @@ fn tree<'s>(a: &'s Body, b: &'s Body) -> AnyBvtt<'s> {
 /// [`Error::StaleBody`] if one of them is not there.
 pub(super) fn meeting(bodies: &Bodies, [a, b]: [BodyId; 2]) -> Result<Meeting<'_>, Error> {
     let (first, second) = (bodies.get(a)?, bodies.get(b)?);
-    Ok(match tree(first, second) {
-        AnyBvtt::Within(tree) => Meeting::Posed(tree, first.pose),
+    Ok(match tree(first, second, Distance::default()) {
+        AnyBvtt::Itself(tree) => Meeting::Posed(tree, first.pose),
         tree => Meeting::InTree(tree),
     })
 }

@@ -144,7 +144,7 @@ fn batch(
     for &pose in poses {
         batch.pair(&models[0], &models[1], pose).unwrap();
     }
-    batch.within(&models[0], Adjacency::default());
+    batch.itself(&models[0], Adjacency::default());
     let mut add = |verb: &str, answer| named.push((format!("Batch::{verb}, {kind}"), answer));
     let mut ticket = batch.count(on).unwrap();
     while !ticket.is_ready() {

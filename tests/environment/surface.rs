@@ -10,7 +10,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     ),
     (
         "SelfQuery",
-        include_str!("../../src/within.rs"),
+        include_str!("../../src/itself.rs"),
         "all any count visit contacts contacts_f64 set_positions",
         "new with_adjacency on report forget plan",
     ),

@@ -62,7 +62,7 @@ impl BatchPlayer {
             if rng.random_range(0..4) == 0 {
                 let adjacency = [Adjacency::default(), Adjacency::SkipNeighbours];
                 let adjacency = adjacency[rng.random_range(0..2)];
-                self.batch.within(&a.model, adjacency);
+                self.batch.itself(&a.model, adjacency);
                 self.asked.push(answers.within(&a.fresh, adjacency));
             } else {
                 let pose = somewhere(rng);

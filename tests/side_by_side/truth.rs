@@ -16,7 +16,7 @@ const KEPT: usize = 1 << 12;
 
 enum Subject {
     Pair([Rc<Fresh>; 2], AnyPose),
-    Within(Rc<Fresh>, Adjacency),
+    Itself(Rc<Fresh>, Adjacency),
 }
 
 /// The answer about one subject; contacts are found when they are first needed.
@@ -33,7 +33,7 @@ impl Answer {
             Subject::Pair([a, b], pose) => {
                 PairQuery::new().all(&a.model, &b.model, pose).unwrap().to_vec()
             }
-            Subject::Within(a, adjacency) => within(*adjacency).all(&a.model).unwrap().to_vec(),
+            Subject::Itself(a, adjacency) => within(*adjacency).all(&a.model).unwrap().to_vec(),
         };
         Self { subject, pairs, contacts: OnceCell::new(), contacts_f64: OnceCell::new() }
     }
@@ -43,7 +43,7 @@ impl Answer {
             Subject::Pair([a, b], pose) => {
                 PairQuery::new().contacts(&a.model, &b.model, pose).unwrap().to_vec()
             }
-            Subject::Within(a, adjacency) => {
+            Subject::Itself(a, adjacency) => {
                 within(*adjacency).contacts(&a.model).unwrap().to_vec()
             }
         })
@@ -51,7 +51,7 @@ impl Answer {
 
     /// The contacts of a mesh and itself, posed in f64.
     fn posed_contacts(&self, pose: &Pose64) -> Contacts<TrianglePair, f64> {
-        let Subject::Within(a, adjacency) = &self.subject else { unreachable!("of two meshes") };
+        let Subject::Itself(a, adjacency) = &self.subject else { unreachable!("of two meshes") };
         let posed = |pose: &Pose64| match a.points.posed(&AnyPose::F64(*pose), true) {
             Points::F64(points) => points,
             Points::F32(_) => unreachable!("asked for in f64"),
@@ -72,7 +72,7 @@ impl Answer {
             Subject::Pair([a, b], pose) => {
                 PairQuery::new().contacts_f64(&a.model, &b.model, pose).unwrap()
             }
-            Subject::Within(a, adjacency) => within(*adjacency).contacts_f64(&a.model).unwrap(),
+            Subject::Itself(a, adjacency) => within(*adjacency).contacts_f64(&a.model).unwrap(),
         })
     }
 }
@@ -114,7 +114,7 @@ impl Answers {
         // A number that no other model has.
         let other = u64::MAX - u64::from(adjacency == Adjacency::SkipNeighbours);
         let key = ([a.number, other], false, bits(&Pose::IDENTITY.into()));
-        self.get(key, || Subject::Within(a.clone(), adjacency))
+        self.get(key, || Subject::Itself(a.clone(), adjacency))
     }
 
     fn get(&mut self, key: Key, subject: impl FnOnce() -> Subject) -> Rc<Answer> {

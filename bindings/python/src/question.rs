@@ -37,7 +37,7 @@ macro_rules! answered {
                 let told = query.$verb(a, b, *a_from_b).and_then($told)?;
                 Ok((told, query.plan().cloned()))
             }
-            Subject::Within { model } => {
+            Subject::Itself { model } => {
                 let mut query = SelfQuery::new().on($executor);
                 let told = query.$verb(model).and_then($told)?;
                 Ok((told, query.plan().cloned()))
@@ -93,7 +93,7 @@ impl Subject {
             }
             Self::Within { model } => {
                 let tree = SelfBvtt::new(model.bvh());
-                AnyBvtt::Within(tree.with_certificates(model.certificates()))
+                AnyBvtt::Itself(tree.with_certificates(model.certificates()))
             }
         })
     }
@@ -115,7 +115,7 @@ impl<'py> Question<'py> {
     ) -> PyResult<Self> {
         let Some(b) = b else {
             return match pose {
-                None => Ok(Self::One(Subject::Within { model: a.0.clone() })),
+                None => Ok(Self::One(Subject::Itself { model: a.0.clone() })),
                 Some(_) => Err(PyTypeError::new_err("a mesh with itself takes no pose")),
             };
         };

@@ -18,7 +18,7 @@ use core::ops::ControlFlow;
 /// # let root = Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 };
 /// # let bvh = Bvh::new_unchecked(mesh, std::slice::from_ref(&root), &[0]);
 /// let pair = PairBvtt::new(bvh, bvh, Pose::IDENTITY)?;
-/// let questions = [AnyBvtt::Pair(pair), AnyBvtt::Within(SelfBvtt::new(bvh))];
+/// let questions = [AnyBvtt::Pair(pair), AnyBvtt::Itself(SelfBvtt::new(bvh))];
 /// assert_eq!(questions.map(|question| question.count()), [1, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -27,7 +27,7 @@ pub enum AnyBvtt<'q> {
     /// Two meshes.
     Pair(PairBvtt<'q>),
     /// A mesh and itself.
-    Within(SelfBvtt<'q>),
+    Itself(SelfBvtt<'q>),
 }
 
 /// Asks whichever it is.
@@ -35,7 +35,7 @@ macro_rules! either {
     ($any:ident, $tree:ident => $answer:expr) => {
         match $any {
             Self::Pair($tree) => $answer,
-            Self::Within($tree) => $answer,
+            Self::Itself($tree) => $answer,
         }
     };
 }

@@ -8,7 +8,7 @@
 use super::posed_bvh::{posed, root_bounds};
 use super::{NodePair, PosedBvh, TrianglePair};
 #[cfg(feature = "within")]
-use crate::DistanceError;
+use crate::Distance;
 use crate::aabb::Bounds;
 use crate::one_ring::{Certified, OneRing, hub_of, is_marked};
 use crate::pose::{Affine, Pose64, PoseError};
@@ -305,9 +305,6 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// The boxes of the second side are compared grown by the distance. Triangle pairs are decided eight at a time where f32
     /// certifies them, and by integers else. With [`boxes_only`](SelfBvtt::boxes_only), their boxes are, on each axis.
     ///
-    /// # Errors
-    /// [`DistanceError`] if the distance is NaN, infinite or negative.
-    ///
     /// # Complexity
     /// As without, with as many more pairs as boxes overlap that are grown so.
     ///
@@ -319,16 +316,17 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
     /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
     /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.25]))?;
-    /// assert_eq!(query.count(), 0);
-    /// assert_eq!([query.within(0.25)?.count(), query.within(0.2)?.count()], [1, 0]);
+    /// assert_eq!(query.within(Distance::new(0.25)?).count(), 1);
+    /// assert_eq!(query.within(Distance::new(0.2)?).count(), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[cfg(feature = "within")]
-    pub fn within(mut self, distance: f32) -> Result<Self, DistanceError> {
-        DistanceError::check(distance)?;
+    #[must_use]
+    pub fn within(mut self, distance: Distance) -> Self {
+        let distance = distance.get();
         let [root_a, root_b] = [&self.a, &self.b].map(|side| side.bvh.root());
         let (Some(_), Some(root_b), true) = (root_a, root_b, distance > 0.0) else {
-            return Ok(self);
+            return self;
         };
         // Boxes are compared in the frame of the query, in which distances are measured, and only there.
         if !SELF {
@@ -340,7 +338,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         (self.first_seen, self.distance) = (None, distance);
         let [own, other] = self.bounds(NodePair::ROOT);
         self.root = own.overlaps(&other).then_some(NodePair::ROOT);
-        Ok(self)
+        self
     }
 
     /// The distance within which pairs are hits, if that is what is asked.

@@ -158,8 +158,9 @@ fn queries() {
         #[cfg(feature = "within")]
         for distance in [1e-30, 0.1] {
             let (near, near_itself) = (
-                PairBvtt::in_world(posed, posed).within(distance).unwrap(),
-                SelfBvtt::new(bvh).within(distance).unwrap(),
+                PairBvtt::in_world(posed, posed)
+                    .within(pfront_core::Distance::new(distance).unwrap()),
+                SelfBvtt::new(bvh).within(pfront_core::Distance::new(distance).unwrap()),
             );
             let walk = |query: &dyn Fn() -> Cursor| _ = black_box(query());
             let steps = 2_000;
@@ -211,7 +212,7 @@ fn queries_in_f64() {
     walk(&|| query.count());
     #[cfg(feature = "within")]
     for query in [query, PairBvtt::in_f64(bvh, bvh, &Pose64::IDENTITY).unwrap()] {
-        let near = query.within(values[0].abs() as f32).unwrap();
+        let near = query.within(pfront_core::Distance::new(values[0].abs() as f32).unwrap());
         check("step within a distance in f64", || _ = black_box(walked(&near, 2_000)));
     }
     check("PairBvtt::in_f64", || _ = black_box(PairBvtt::in_f64(bvh, bvh, &pose)).unwrap());

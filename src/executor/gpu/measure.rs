@@ -32,7 +32,11 @@ pub(super) fn measure(executor: &Executor, gpu: &Gpu) -> Result<Line, GpuError> 
             there[i] = median(&mut ask)?;
             uploads[i] = (first - there[i]).max(0.0);
             cpu[i] = median(|pose| {
-                let subject = Subject::Pair { models: [sheet; 2], a_from_b: pose.into() };
+                let subject = Subject::Pair {
+                    models: [sheet; 2],
+                    a_from_b: pose.into(),
+                    within: crate::Distance::default(),
+                };
                 let tree = subject.tree().map_err(refused)?;
                 let (_, answer) = on_cpu.ask((), &tree, Verb::All, &mut pairs);
                 answer.map(drop).map_err(refused)

@@ -11,7 +11,7 @@ impl<M: Borrow<Model>> Subject<M> {
     /// The models and the pose of two in f32.
     pub(crate) fn pair_in_f32(&self) -> Option<([&Model; 2], Pose)> {
         match self {
-            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b) } => {
+            Self::Pair { models, a_from_b: AnyPose::F32(a_from_b), .. } => {
                 let models = models.each_ref().map(|model| model.borrow());
                 models.iter().all(|model| !model.is_f64()).then_some((models, *a_from_b))
             }
@@ -29,7 +29,7 @@ impl<M: Borrow<Model>> Subject<M> {
         }
         Ok(match self.untraversed(outlines)? {
             AnyBvtt::Pair(tree) => Some(tree),
-            AnyBvtt::Within(_) => None,
+            AnyBvtt::Itself(_) => None,
         })
     }
 
@@ -40,8 +40,8 @@ impl<M: Borrow<Model>> Subject<M> {
         in_f64: Option<&PairBvtt<'_>>,
     ) -> GpuQuestion<'q> {
         match (self, in_f64.and_then(PairBvtt::shadows)) {
-            (Self::Within { adjacency, .. }, _) => {
-                GpuQuestion::Within { model: a, adjacency: *adjacency }
+            (Self::Itself { adjacency, .. }, _) => {
+                GpuQuestion::Itself { model: a, adjacency: *adjacency }
             }
             (_, Some(shadows)) => GpuQuestion::shadows(a, b, &shadows),
             (Self::Pair { a_from_b: AnyPose::F32(a_from_b), .. }, None) => {

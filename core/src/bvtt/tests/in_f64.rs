@@ -264,7 +264,11 @@ fn within_a_distance_in_f64_as_every_two_triangles() {
                 expected.extend(found.map(|(j, _)| TrianglePair { a: i, b: j }));
             }
             let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &turned).unwrap();
-            assert_eq!(sorted(&query.within(distance).unwrap()), expected, "{round} {distance}");
+            assert_eq!(
+                sorted(&query.within(crate::Distance::new(distance).unwrap())),
+                expected,
+                "{round} {distance}"
+            );
             hits += expected.len();
 
             expected.clear();
@@ -281,7 +285,7 @@ fn within_a_distance_in_f64_as_every_two_triangles() {
                 }
             }
             expected.sort_unstable();
-            let query = SelfBvtt::new(a.bvh()).within(distance).unwrap();
+            let query = SelfBvtt::new(a.bvh()).within(crate::Distance::new(distance).unwrap());
             assert_eq!(sorted(&query), expected, "{round} {distance}");
             own_hits += expected.len();
         }

@@ -2,9 +2,9 @@
 
 use crate::environment::with_default;
 use crate::executor::Plan;
-use crate::subject::{Subject, within};
+use crate::subject::{Subject, itself};
 use crate::subject_query::SubjectQuery;
-use crate::{Adjacency, Contact, Error, Executor, Model, Scalar, TrianglePair};
+use crate::{Adjacency, Contact, Distance, Error, Executor, Model, Scalar, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
@@ -28,6 +28,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug, Default)]
 pub struct SelfQuery {
     adjacency: Adjacency,
+    within: Distance,
     query: SubjectQuery,
 }
 
@@ -48,6 +49,34 @@ impl SelfQuery {
     #[must_use]
     pub fn on(self, executor: &Executor) -> Self {
         Self { query: self.query.on(executor), ..self }
+    }
+
+    /// Asks for pairs at most `distance` apart in place of those that intersect, exactly: touching counts at the distance, too, and
+    /// at 0 the pairs are those that intersect. CPUs answer, whatever the executor. Contacts are those of the pairs that
+    /// intersect.
+    ///
+    /// Triangles that share a vertex are decided by the rule for neighbours, whatever the distance; all others by their
+    /// distance, so that neighbours of neighbours are hits from an edge's length on.
+    ///
+    /// # Errors
+    /// [`Error::Distance`] if the distance is NaN, infinite or negative.
+    ///
+    /// # Complexity
+    /// As without, for boxes that are grown by the distance, and the pairs that are then near.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, SelfQuery};
+    /// // Two sheets with a gap of 0.02.
+    /// let sheet = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+    /// let positions = [sheet(0.0), sheet(0.02)].concat();
+    /// let model = Model::new(positions, vec![[0, 1, 2], [3, 4, 5]])?;
+    /// assert_eq!(SelfQuery::new().count(&model)?, 0);
+    /// assert_eq!(SelfQuery::new().within(0.02)?.count(&model)?, 1);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn within(self, distance: f32) -> Result<Self, Error> {
+        Ok(Self { within: Distance::new(distance)?, ..self })
     }
 
     /// Counts and times of the last frame on threads; see [`Report`](crate::threads::Report).
@@ -125,7 +154,7 @@ impl SelfQuery {
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let tree = with_default(|| within(model, self.adjacency));
+        let tree = with_default(|| itself(model, self.adjacency, self.within));
         self.query.visit(&tree, visit)
     }
 
@@ -163,6 +192,6 @@ impl SelfQuery {
     }
 
     fn subject<'m>(&self, model: &'m Model) -> Subject<&'m Model> {
-        Subject::Within { models: [model], adjacency: self.adjacency }
+        Subject::Itself { models: [model], adjacency: self.adjacency, within: self.within }
     }
 }

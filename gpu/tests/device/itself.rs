@@ -15,7 +15,7 @@ fn check(query: &mut GpuQuery, mesh: &Both) -> usize {
     let mut most = 0;
     for adjacency in [Adjacency::SkipNeighbours, Adjacency::SharedIndexRule] {
         let truth = sorted(&bvtt::SelfBvtt::new(mesh.bvh()).with_adjacency(adjacency));
-        let question = GpuQuestion::Within { model: &mesh.model, adjacency };
+        let question = GpuQuestion::Itself { model: &mesh.model, adjacency };
         assert_eq!(query.all(&question).unwrap(), truth);
         assert_eq!(query.count(&question).unwrap(), truth.len() as u64);
         let any = query.any(&question).unwrap();
