@@ -3,8 +3,8 @@
 #![cfg(feature = "threads")]
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::executor::{Backend, Reason};
-use pfront::{BodyId, Error, Executor, Model, PairQuery, Pose, Pose64, SceneQuery, SelfQuery};
+use pfront::executor::Backend;
+use pfront::{BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::scenes::icosphere;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -145,6 +145,8 @@ fn of_queries_about_one_model_or_two() {
 #[cfg(feature = "gpu")]
 mod on_gpu {
     use super::*;
+    use pfront::Pose64;
+    use pfront::executor::Reason;
     use pfront::gpu::Gpu;
 
     fn executor() -> Executor {

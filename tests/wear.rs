@@ -1,8 +1,8 @@
 //! Trees on a GPU that wear out are replaced: after a few frames a question takes about as many box tests as with a tree made for
 //! the shape.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(feature = "gpu")]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pfront::gpu::Gpu;
 use pfront::{Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};

@@ -9,7 +9,7 @@ use pfront::pfront_blob::{self, Counts, MAGIC};
 use pfront::pfront_core::bvtt;
 use pfront::{Blob, BlobError, Mesh, Model, SelfQuery, TrianglePair};
 use pfront_fuzz::input::Palette;
-use pfront_fuzz::{Builder, Tree, as_pairs, pages};
+use pfront_fuzz::{Builder, Tree, as_pairs, pages, seal};
 use pfront_testkit::oracle::self_pairs;
 
 #[derive(Arbitrary, Debug)]
@@ -55,15 +55,6 @@ fuzz_target!(|input: Input| {
     seal(&mut bytes);
     check(&bytes, &input);
 });
-
-/// The checksum as everyone else computes it.
-fn seal(bytes: &mut [u8]) {
-    let Some((head, rest)) = bytes.split_at_mut_checked(16) else { return };
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&head[..12]);
-    hasher.update(rest);
-    head[12..].copy_from_slice(&hasher.finalize().to_le_bytes());
-}
 
 /// Whether bytes are a blob of a BVH; what is must answer right.
 fn check(bytes: &[u8], input: &Input) -> bool {

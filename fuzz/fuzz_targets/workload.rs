@@ -16,9 +16,9 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn workload(bytes: &[u8]) {
-    let Ok(mut workload) = Workload::open(Cursor::new(bytes)) else { return };
+    let Ok((header, mut workload)) = Workload::open(Cursor::new(bytes)) else { return };
     let mut again = Vec::new();
-    let mut to = WorkloadWriter::new(&mut again, workload.header()).unwrap();
+    let mut to = WorkloadWriter::new(&mut again, &header).unwrap();
     loop {
         match workload.next_frame() {
             // The first object of a pair may have been moved.

@@ -1,41 +1,8 @@
-//! Little-endian arrays in files whose headers may lie.
+//! Binary files of 32-bit words, little-endian, whose announcements are not believed. Errors tell the byte.
 
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use bytemuck::Pod;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-
-/// Why a file could not be read as what it claims to be. Offsets are in bytes from its start.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FormatError {
-    /// Reading failed.
-    #[error("at byte {offset}: cannot read on")]
-    Io {
-        /// Where.
-        offset: u64,
-        /// Why.
-        source: io::Error,
-    },
-    /// The file ends before something that it announces.
-    #[error("at byte {offset}: the file has {length} bytes, too few for {what} ({needed} bytes)")]
-    Truncated {
-        /// Where it begins.
-        offset: u64,
-        /// Its name.
-        what: &'static str,
-        /// Its size in bytes.
-        needed: u64,
-        /// The size of the file in bytes.
-        length: u64,
-    },
-    /// Something is there that cannot be.
-    #[error("at byte {offset}: {what}")]
-    Invalid {
-        /// Where.
-        offset: u64,
-        /// The fault, in words.
-        what: String,
-    },
-}
 
 /// Reads arrays; never allocates for more bytes than the file has.
 #[derive(Debug)]
@@ -46,14 +13,17 @@ pub(crate) struct Reader<R> {
 }
 
 impl<R: Read + Seek> Reader<R> {
-    /// Reads `inner` from its start to its end.
-    pub(crate) fn new(mut inner: R) -> Result<Self, FormatError> {
-        let measured = inner.seek(SeekFrom::End(0)).and_then(|length| {
-            inner.rewind()?;
-            Ok(length)
-        });
-        let length = measured.map_err(|source| FormatError::Io { offset: 0, source })?;
-        Ok(Self { inner, offset: 0, length })
+    /// Reads `inner` from its start, where it has a magic, to its end; `what` it is.
+    pub(crate) fn new(mut inner: R, magic: &[u8; 8], what: &str) -> Result<Self> {
+        let length = inner.seek(SeekFrom::End(0))?;
+        inner.rewind()?;
+        let mut reader = Self { inner, offset: 0, length };
+        let mut found = [0; 8];
+        reader.bytes("the magic", &mut found)?;
+        let name = String::from_utf8_lossy(magic);
+        let wrong = || format!("at byte 0: this is not {what}: it does not begin with {name}");
+        ensure!(found == *magic, wrong());
+        Ok(reader)
     }
 
     /// Bytes left.
@@ -62,42 +32,34 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     /// An error about something `back` bytes ago.
-    pub(crate) fn invalid(&self, back: u64, what: impl Into<String>) -> FormatError {
-        FormatError::Invalid { offset: self.offset - back, what: what.into() }
+    pub(crate) fn invalid(&self, back: u64, what: impl std::fmt::Display) -> Error {
+        anyhow!("at byte {}: {what}", self.offset - back)
     }
 
-    /// The number of bytes of `count` elements of `size`, if the file still has as many.
-    pub(crate) fn fits(
-        &self,
-        what: &'static str,
-        count: u64,
-        size: usize,
-    ) -> Result<(), FormatError> {
+    /// Checks that the file still has `count` elements of `size` bytes.
+    pub(crate) fn fits(&self, what: &str, count: u64, size: usize) -> Result<()> {
         let needed = count.saturating_mul(size as u64);
-        if needed <= self.left() {
-            return Ok(());
-        }
-        Err(FormatError::Truncated { offset: self.offset, what, needed, length: self.length })
+        let length = self.length;
+        let few = || format!("the file has {length} bytes, too few for {what} ({needed} bytes)");
+        if needed <= self.left() { Ok(()) } else { Err(self.invalid(0, few())) }
     }
 
-    pub(crate) fn u32(&mut self, what: &'static str) -> Result<u32, FormatError> {
+    /// Checks that nothing follows so many bytes, which are `what`.
+    pub(crate) fn ends_after(&self, what: &str, bytes: u64) -> Result<()> {
+        match self.left() - bytes {
+            0 => Ok(()),
+            left => Err(self.invalid(0, format!("{left} bytes more than {what} take"))),
+        }
+    }
+
+    pub(crate) fn u32(&mut self, what: &str) -> Result<u32> {
         let mut word = [0_u32];
         self.words(what, &mut word)?;
         Ok(word[0])
     }
 
-    pub(crate) fn u64(&mut self, what: &'static str) -> Result<u64, FormatError> {
-        let mut bytes = [0_u8; 8];
-        self.bytes(what, &mut bytes)?;
-        Ok(u64::from_le_bytes(bytes))
-    }
-
     /// `count` elements that consist of 32-bit words.
-    pub(crate) fn array<T: Pod>(
-        &mut self,
-        what: &'static str,
-        count: u64,
-    ) -> Result<Vec<T>, FormatError> {
+    pub(crate) fn array<T: Pod>(&mut self, what: &str, count: u64) -> Result<Vec<T>> {
         self.fits(what, count, size_of::<T>())?;
         let mut out = vec![T::zeroed(); count as usize];
         self.words(what, &mut out)?;
@@ -105,11 +67,7 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     /// Fills `out`, which consists of 32-bit words.
-    pub(crate) fn words<T: Pod>(
-        &mut self,
-        what: &'static str,
-        out: &mut [T],
-    ) -> Result<(), FormatError> {
+    pub(crate) fn words<T: Pod>(&mut self, what: &str, out: &mut [T]) -> Result<()> {
         self.bytes(what, bytemuck::cast_slice_mut(out))?;
         for word in bytemuck::cast_slice_mut::<T, u32>(out) {
             *word = u32::from_le(*word);
@@ -117,11 +75,11 @@ impl<R: Read + Seek> Reader<R> {
         Ok(())
     }
 
-    /// Fills `out`.
-    pub(crate) fn bytes(&mut self, what: &'static str, out: &mut [u8]) -> Result<(), FormatError> {
+    fn bytes(&mut self, what: &str, out: &mut [u8]) -> Result<()> {
         self.fits(what, out.len() as u64, 1)?;
         let offset = self.offset;
-        self.inner.read_exact(out).map_err(|source| FormatError::Io { offset, source })?;
+        let read = self.inner.read_exact(out);
+        read.with_context(|| format!("at byte {offset}: cannot read on"))?;
         self.offset += out.len() as u64;
         Ok(())
     }

@@ -5,10 +5,9 @@
 //! of the objects, and a belongs to the lower one.
 
 use crate::format::{Reader, write_words};
+use anyhow::Result;
 use pfront::TrianglePair;
 use std::io::{self, Read, Seek, Write};
-
-pub use crate::format::FormatError;
 
 const MAGIC: &[u8; 8] = b"TRICOLP1";
 
@@ -44,15 +43,9 @@ impl<W: Write> PairWriter<W> {
 /// Reads all frames of a pair file.
 ///
 /// # Errors
-/// [`FormatError`] with the offset of what is not as the format says: also pairs out of order, and bytes
-/// after the last frame.
-pub fn read(from: impl Read + Seek) -> Result<Vec<Vec<TrianglePair>>, FormatError> {
-    let mut reader = Reader::new(from)?;
-    let mut magic = [0; 8];
-    reader.bytes("the magic", &mut magic)?;
-    if magic != *MAGIC {
-        return Err(reader.invalid(8, "this is not a pair file: it does not begin with TRICOLP1"));
-    }
+/// The offset of what is not as the format says: also pairs out of order, and bytes after the last frame.
+pub fn read(from: impl Read + Seek) -> Result<Vec<Vec<TrianglePair>>> {
+    let mut reader = Reader::new(from, MAGIC, "a pair file")?;
     let frames = reader.u32("the number of frames")?;
     if reader.u32("the reserved word")? != 0 {
         return Err(reader.invalid(4, "the reserved word is not 0"));
@@ -60,7 +53,9 @@ pub fn read(from: impl Read + Seek) -> Result<Vec<Vec<TrianglePair>>, FormatErro
     reader.fits("the frames", frames.into(), 8)?;
     let mut all = Vec::with_capacity(frames as usize);
     for _ in 0..frames {
-        let count = reader.u64("the number of pairs")?;
+        let mut halves = [0_u32; 2];
+        reader.words("the number of pairs", &mut halves)?;
+        let count = u64::from(halves[0]) | u64::from(halves[1]) << 32;
         let pairs: Vec<TrianglePair> = reader.array("the pairs of a frame", count)?;
         if let Some(i) = (1..pairs.len()).find(|&i| pairs[i - 1] >= pairs[i]) {
             let back = (pairs.len() - i) * size_of::<TrianglePair>();
@@ -68,8 +63,6 @@ pub fn read(from: impl Read + Seek) -> Result<Vec<Vec<TrianglePair>>, FormatErro
         }
         all.push(pairs);
     }
-    match reader.left() {
-        0 => Ok(all),
-        left => Err(reader.invalid(0, format!("{left} bytes after the last frame"))),
-    }
+    reader.ends_after("the pairs", 0)?;
+    Ok(all)
 }

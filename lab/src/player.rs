@@ -1,10 +1,8 @@
 //! A query about moving objects, frame by frame: whatever moves, it is placed and asked in the same words.
 
-use crate::stability::Reference;
 use crate::workload::{Frame, Header};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use pfront::executor::Plan;
-use pfront::pfront_core::bvtt::{PairBvtt, SelfBvtt};
 use pfront::threads::Report;
 use pfront::{
     Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
@@ -42,22 +40,6 @@ impl Objects {
     }
 }
 
-/// How a question is asked.
-#[derive(Clone, Debug, Default)]
-pub struct Asked {
-    /// The rule for triangles of one mesh that share vertices.
-    pub adjacency: Adjacency,
-    /// The executor that answers.
-    pub executor: Executor,
-}
-
-impl From<&Executor> for Asked {
-    /// Everything, exactly.
-    fn from(executor: &Executor) -> Self {
-        Self { executor: executor.clone(), ..Self::default() }
-    }
-}
-
 /// Objects, and the query about them.
 pub struct Player(Subject);
 
@@ -82,12 +64,11 @@ enum Subject {
 }
 
 impl Player {
-    /// Makes the query.
+    /// Makes the query; `adjacency` is the rule for triangles of one mesh that share vertices.
     ///
     /// # Errors
     /// If there are more triangles than u32 can number, or a scene refuses a body.
-    pub fn new(objects: Objects, asked: &Asked) -> Result<Self> {
-        let Asked { adjacency, executor } = asked;
+    pub fn new(objects: Objects, adjacency: Adjacency, executor: &Executor) -> Result<Self> {
         let Objects { kind, mut models } = objects;
         Ok(Self(match (kind, &models[..]) {
             (Kind::Pair, [a, b]) => Subject::Pair {
@@ -96,7 +77,7 @@ impl Player {
                 query: PairQuery::new().on(executor),
             },
             (Kind::SelfMesh, [_]) => {
-                let query = SelfQuery::new().with_adjacency(*adjacency);
+                let query = SelfQuery::new().with_adjacency(adjacency);
                 Subject::SelfMesh { model: models.remove(0), query: query.on(executor) }
             }
             _ => {
@@ -117,36 +98,27 @@ impl Player {
     /// Moves everything to where it is in a frame.
     ///
     /// # Errors
-    /// As [`Player::place`]; if a shape is refused, or the frame is of another kind.
+    /// If a shape or pose is refused, or the frame is of another kind.
     pub fn update(&mut self, frame: Frame<'_>) -> Result<()> {
         match (&mut self.0, frame) {
             (Subject::SelfMesh { model, query }, Frame::Positions(positions)) => {
                 query.set_positions(Arc::make_mut(model), positions)?;
                 Ok(())
             }
-            (Subject::SelfMesh { .. }, _) | (_, Frame::Positions(_)) => {
-                bail!("the frame is of another kind than the objects")
+            (Subject::Pair { a_from_b, .. }, Frame::Poses(&[a, b])) => {
+                ensure!(a == Pose::IDENTITY, "the first object of a pair stays where it is");
+                *a_from_b = b;
+                Ok(())
             }
-            (_, Frame::Poses(poses)) => {
-                poses.iter().enumerate().try_for_each(|(object, &pose)| self.place(object, pose))
+            (Subject::Many { query, bodies, .. }, Frame::Poses(poses)) => {
+                ensure!(poses.len() == bodies.len(), "a frame of {} objects", poses.len());
+                let placed = bodies.iter().zip(poses);
+                Ok(placed
+                    .into_iter()
+                    .try_for_each(|((body, _), &pose)| query.set_pose(*body, pose))?)
             }
+            _ => bail!("the frame is of another kind than the objects"),
         }
-    }
-
-    /// Moves an object. The world of a pair is its first object, which stays.
-    ///
-    /// # Errors
-    /// If there is no such object to move, or the pose is refused.
-    pub fn place(&mut self, object: usize, pose: Pose) -> Result<()> {
-        match (&mut self.0, object) {
-            (Subject::Pair { .. }, 0) if pose == Pose::IDENTITY => {}
-            (Subject::Pair { a_from_b, .. }, 1) => *a_from_b = pose,
-            (Subject::Many { query, bodies, .. }, object) if object < bodies.len() => {
-                query.set_pose(bodies[object].0, pose)?;
-            }
-            _ => bail!("object {object} cannot be moved"),
-        }
-        Ok(())
     }
 
     /// All pairs, sorted, numbered as in a pair file.
@@ -224,22 +196,5 @@ impl Player {
             Subject::SelfMesh { query, .. } => query.report(),
             Subject::Many { query, .. } => query.report(),
         }
-    }
-
-    /// The front that true costs would give, to within 2 %, which is nearer than estimates come; not of scenes.
-    ///
-    /// # Errors
-    /// If the pose is refused.
-    pub fn reference(&self, workers: usize) -> Result<Option<Reference>> {
-        Ok(match &self.0 {
-            Subject::Pair { models: [a, b], a_from_b, .. } => {
-                let query = PairBvtt::new(a.bvh(), b.bvh(), *a_from_b)?;
-                Some(Reference::of(&query, workers, 0.02))
-            }
-            Subject::SelfMesh { model, .. } => {
-                Some(Reference::of(&SelfBvtt::new(model.bvh()), workers, 0.02))
-            }
-            Subject::Many { .. } => None,
-        })
     }
 }

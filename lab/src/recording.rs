@@ -54,9 +54,11 @@ impl Recording {
         }
         let file =
             File::open(name).with_context(|| format!("cannot read {name} ({})", scenes()))?;
-        let mut workload = Workload::open(BufReader::new(file)).with_context(|| name.to_owned())?;
-        workload.shorten(frames.unwrap_or(u32::MAX));
-        Ok((workload.take_header(), Self(Source::File(workload))))
+        let read = Workload::open(BufReader::new(file)).with_context(|| name.to_owned());
+        let (mut header, mut workload) = read?;
+        workload.frames = workload.frames.min(frames.unwrap_or(u32::MAX));
+        header.frames = workload.frames;
+        Ok((header, Self(Source::File(workload))))
     }
 
     fn of_meshes(names: &str, frames: u32) -> Result<(Header, Self)> {
@@ -93,7 +95,7 @@ impl Recording {
     /// If the file cannot be read.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>> {
         let (motion, frames, next, poses, positions) = match &mut self.0 {
-            Source::File(workload) => return Ok(workload.next_frame()?),
+            Source::File(workload) => return workload.next_frame(),
             Source::Made { motion, frames, next, poses, positions } => {
                 (motion, frames, next, poses, positions)
             }

@@ -9,13 +9,11 @@
 //! than a short one.
 
 use crate::format::{Reader, write_words};
+use anyhow::Result;
 use pfront::Pose;
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
 use std::io::{self, Read, Seek, Write};
-use std::mem::take;
-
-pub use crate::format::FormatError;
 
 const MAGIC: &[u8; 8] = b"TRICOLW1";
 const KINDS: [Kind; 3] = [Kind::Pair, Kind::SelfMesh, Kind::Many];
@@ -45,7 +43,9 @@ pub enum Frame<'a> {
 /// A workload file being read.
 #[derive(Debug)]
 pub struct Workload<R> {
-    header: Header,
+    kind: Kind,
+    /// The frames that are read.
+    pub frames: u32,
     reader: Reader<R>,
     next: u32,
     poses: Vec<Pose>,
@@ -53,19 +53,12 @@ pub struct Workload<R> {
 }
 
 impl<R: Read + Seek> Workload<R> {
-    /// Reads all but the frames, and checks that they are there.
+    /// Reads what frames have in common, and checks that they are there.
     ///
     /// # Errors
-    /// [`FormatError`] with the offset of what is not as the format says.
-    pub fn open(from: R) -> Result<Self, FormatError> {
-        let mut reader = Reader::new(from)?;
-        let mut magic = [0; 8];
-        reader.bytes("the magic", &mut magic)?;
-        if magic != *MAGIC {
-            return Err(
-                reader.invalid(8, "this is not a workload: it does not begin with TRICOLW1")
-            );
-        }
+    /// The offset of what is not as the format says.
+    pub fn open(from: R) -> Result<(Header, Self)> {
+        let mut reader = Reader::new(from, MAGIC, "a workload")?;
         let mut words = [0_u32; 4];
         reader.words("the header", &mut words)?;
         let [kind, meshes, objects, frames] = words;
@@ -100,51 +93,31 @@ impl<R: Read + Seek> Workload<R> {
             return Err(reader.invalid(0, format!("{frames} frames of nothing")));
         }
         reader.fits("the frames", frames.into(), size)?;
-        let left = reader.left() - u64::from(frames) * size as u64;
-        if left > 0 {
-            return Err(reader.invalid(0, format!("{left} bytes more than the frames take")));
-        }
+        reader.ends_after("the frames", u64::from(frames) * size as u64)?;
         let (poses, positions) = match kind {
             _ if frames == 0 => (Vec::new(), Vec::new()),
             Kind::SelfMesh => (Vec::new(), meshes[0].positions.clone()),
             Kind::Pair | Kind::Many => (vec![Pose::IDENTITY; objects.len()], Vec::new()),
         };
         let header = Header { kind, meshes, objects, frames };
-        Ok(Self { header, reader, next: 0, poses, positions })
-    }
-
-    /// The header: all that the frames have in common.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Hands over the meshes and objects, which are not needed to read on.
-    pub fn take_header(&mut self) -> Header {
-        let Header { kind, meshes, objects, frames } = &mut self.header;
-        let (meshes, objects) = (take(meshes), take(objects));
-        Header { kind: *kind, meshes, objects, frames: *frames }
-    }
-
-    /// Ends after `frames` of them, if there are more.
-    pub fn shorten(&mut self, frames: u32) {
-        self.header.frames = self.header.frames.min(frames);
+        Ok((header, Self { kind, frames, reader, next: 0, poses, positions }))
     }
 
     /// The next frame, `None` after the last.
     ///
     /// # Errors
-    /// [`FormatError`] if it cannot be read, or moves the first object of a pair.
-    pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, FormatError> {
-        if self.next == self.header.frames {
+    /// If it cannot be read, or moves the first object of a pair.
+    pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>> {
+        if self.next == self.frames {
             return Ok(None);
         }
         self.next += 1;
-        if self.header.kind == Kind::SelfMesh {
+        if self.kind == Kind::SelfMesh {
             self.reader.words("the positions of a frame", &mut self.positions)?;
             return Ok(Some(Frame::Positions(&self.positions)));
         }
         self.reader.words("the poses of a frame", &mut self.poses)?;
-        if self.header.kind == Kind::Pair && self.poses[0] != Pose::IDENTITY {
+        if self.kind == Kind::Pair && self.poses[0] != Pose::IDENTITY {
             let back = size_of_val(&self.poses[..]) as u64;
             return Err(self.reader.invalid(back, "object 0 of a pair is not at the identity"));
         }
@@ -152,7 +125,7 @@ impl<R: Read + Seek> Workload<R> {
     }
 }
 
-fn mesh<R: Read + Seek>(reader: &mut Reader<R>) -> Result<MeshData, FormatError> {
+fn mesh<R: Read + Seek>(reader: &mut Reader<R>) -> Result<MeshData> {
     let vertices = reader.u32("the number of vertices")?;
     let triangles = reader.u32("the number of triangles")?;
     Ok(MeshData {

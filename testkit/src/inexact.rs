@@ -1,90 +1,30 @@
-//! Triangle tests in floating point that may be wrong, to compare with an exact one.
+//! The test of two triangles in plain f32, which may be wrong, to compare with an exact one.
 //!
-//! Both are the test of Devillers and Guigue (*Faster Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), as
-//! `pfront_core::triangle` writes it, by other signs of orientation determinants: those that a bound of rounding errors
-//! certifies, or those of plain f32.
+//! It is that of Devillers and Guigue (*Faster Triangle-Triangle Intersection Tests*, INRIA RR-4488, 2002), as
+//! `pfront_core::triangle` writes it, by other signs of orientation determinants.
 
 use crate::{Point, Triangle};
-use glam::{DVec3, Vec3, Vec3A, Vec4};
-
-/// Whether two closed triangles intersect by signs that f32 or else f64 certifies. No hit is missed: a pair with an uncertain
-/// sign counts as one.
-#[inline]
-#[must_use]
-pub fn conservative(a: &Triangle, b: &Triangle) -> bool {
-    let certified = intersect::<CertifiedF32>(a, b);
-    certified.or_else(|| intersect::<CertifiedF64>(a, b)).unwrap_or(true)
-}
+use glam::{DVec3, Vec3};
 
 /// Whether two closed triangles intersect by signs of plain f32, any of which may be wrong.
 #[inline]
 #[must_use]
 pub fn fast(a: &Triangle, b: &Triangle) -> bool {
-    // No sign is uncertain here.
-    intersect::<Plain>(a, b) == Some(true)
-}
-
-/// A way to decide the sides of a plane through three points on which others lie; `None` if one of them is uncertain.
-trait Signs {
-    fn sides<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]>;
-}
-
-enum Plain {}
-enum CertifiedF32 {}
-enum CertifiedF64 {}
-
-impl Signs for Plain {
-    #[inline]
-    fn sides<const N: usize>(plane: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
-        Some(plain_sides(plane, points))
+    let a_sides = plain_sides(b.each_ref(), a.each_ref());
+    if one_sided(a_sides) {
+        return false;
     }
-}
-
-impl Signs for CertifiedF32 {
-    /// Up to four points side by side.
-    #[inline]
-    fn sides<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
-        const ERROR: f32 = 2.9e-6;
-        const UNDERFLOW: f32 = 7.888_609e-31;
-        const MAX_EXTENT: f32 = 1.099_511_6e12;
-        let base = Vec3A::from_array(*a);
-        let (u, v) = (Vec3A::from_array(*b) - base, Vec3A::from_array(*c) - base);
-        let (normal, edges) = (u.cross(v), u.abs().max(v.abs()));
-        if let [p] = points.as_slice() {
-            let w = Vec3A::from_array(**p) - base;
-            let (determinant, extent) = (normal.dot(w), edges.max(w.abs()));
-            let bound = extent.x * extent.y * extent.z * ERROR + UNDERFLOW;
-            let certified = determinant.abs() > bound && extent.max_element() <= MAX_EXTENT;
-            return certified.then_some([if determinant > 0.0 { 1 } else { -1 }; N]);
-        }
-        let [p, q, r, s] = [0, 1, 2, 3].map(|lane: usize| points[lane.min(N - 1)]);
-        let w = |k: usize| Vec4::new(p[k], q[k], r[k], s[k]) - Vec4::splat(a[k]);
-        let (x, y, z) = (w(0), w(1), w(2));
-        let determinant = normal.x * x + normal.y * y + normal.z * z;
-        let extent = |edges: f32, w: Vec4| Vec4::splat(edges).max(w.abs());
-        let (x, y, z) = (extent(edges.x, x), extent(edges.y, y), extent(edges.z, z));
-        let bound = x * y * z * ERROR + Vec4::splat(UNDERFLOW);
-        let holds = x.max(y).max(z).cmple(Vec4::splat(MAX_EXTENT));
-        let positive = (determinant.cmpgt(bound) & holds).bitmask();
-        let negative = (determinant.cmplt(-bound) & holds).bitmask();
-        let sign = |lane: usize| 2 * (positive >> lane & 1) as i32 - 1;
-        (positive | negative == 0xf).then(|| std::array::from_fn(sign))
+    let b_sides = plain_sides(a.each_ref(), b.each_ref());
+    if one_sided(b_sides) {
+        return false;
     }
-}
-
-impl Signs for CertifiedF64 {
-    #[inline]
-    fn sides<const N: usize>([a, b, c]: [&Point; 3], points: [&Point; N]) -> Option<[i32; N]> {
-        let (u, v, w) = (difference(b, a), difference(c, a), points.map(|p| difference(p, a)));
-        let normal = u.cross(v);
-        let extent = w.iter().fold(u.abs().max(v.abs()), |extent, w| extent.max(w.abs()));
-        let bound = 5.4e-15 * extent.element_product();
-        let signs = w.map(|w| {
-            let determinant = normal.dot(w);
-            i32::from(determinant > bound) - i32::from(determinant < -bound)
-        });
-        (!signs.contains(&0)).then_some(signs)
+    if a_sides == [0; 3] || b_sides == [0; 3] {
+        return coplanar_intersect(a, b);
     }
+    let ((i, delta), (j, side)) = (apex(a_sides), apex(b_sides));
+    let ([a0, a1, a2], [b0, b1, b2]) = (rotated(a, i), rotated(b, j));
+    let [b1, b2] = if delta == side { [b1, b2] } else { [b2, b1] };
+    (plain_sides([a0, a1, b0], [b1]) != [side]) & (plain_sides([a0, a2, b0], [b2]) != [-side])
 }
 
 #[inline]
@@ -101,28 +41,6 @@ fn sign(x: f32) -> i32 {
 
 fn difference(p: &Point, q: &Point) -> DVec3 {
     Vec3::from_array(*p).as_dvec3() - Vec3::from_array(*q).as_dvec3()
-}
-
-#[inline]
-fn intersect<K: Signs>(a: &Triangle, b: &Triangle) -> Option<bool> {
-    let a_sides = K::sides(b.each_ref(), a.each_ref());
-    if a_sides.is_some_and(one_sided) {
-        return Some(false);
-    }
-    let b_sides = K::sides(a.each_ref(), b.each_ref());
-    if b_sides.is_some_and(one_sided) {
-        return Some(false);
-    }
-    let (a_sides, b_sides) = (a_sides?, b_sides?);
-    if a_sides == [0; 3] || b_sides == [0; 3] {
-        // No bound certifies a zero, so that the signs are those of plain f32.
-        return Some(coplanar_intersect(a, b));
-    }
-    let ((i, delta), (j, side)) = (apex(a_sides), apex(b_sides));
-    let ([a0, a1, a2], [b0, b1, b2]) = (rotated(a, i), rotated(b, j));
-    let [b1, b2] = if delta == side { [b1, b2] } else { [b2, b1] };
-    let (first, second) = (K::sides([a0, a1, b0], [b1])?, K::sides([a0, a2, b0], [b2])?);
-    Some((first != [side]) & (second != [-side]))
 }
 
 fn one_sided(sides: [i32; 3]) -> bool {
@@ -224,21 +142,8 @@ fn polygons_intersect(p: &[[f32; 2]], p_turn: i32, q: &[[f32; 2]], q_turn: i32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::families::Family;
     use crate::oracle;
     use crate::rng::{RngExt, seeded};
-
-    #[test]
-    fn conservative_misses_nothing() {
-        let mut rng = seeded(17);
-        for family in Family::ALL {
-            for _ in 0..200 {
-                let (a, b) = family.pair(&mut rng);
-                let truth = oracle::intersect(&a, &b);
-                assert!(conservative(&a, &b) || !truth, "{family:?} {a:?} {b:?}");
-            }
-        }
-    }
 
     /// In small whole coordinates f32 makes no error.
     #[test]
@@ -254,14 +159,10 @@ mod tests {
     }
 
     #[test]
-    fn each_is_wrong_in_its_own_way() {
+    fn it_is_wrong_where_f32_is() {
         const FLOOR: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-        // No bound certifies that sides are zero.
-        let beside = [[3.0, 3.0, 0.0], [9.0, 3.0, 0.0], [3.0, 9.0, 0.0]];
-        assert_eq!([conservative(&FLOOR, &beside), fast(&FLOOR, &beside)], [true, false]);
         // Determinants of 1e-50 are zero in f32.
         let small = |z: f32| FLOOR.map(|[x, y, _]| [1e-20 * x, 1e-20 * y, z]);
-        let apart = (&small(0.0), &small(1e-10));
-        assert_eq!([conservative(apart.0, apart.1), fast(apart.0, apart.1)], [false, true]);
+        assert!(fast(&small(0.0), &small(1e-10)) && !oracle::intersect(&small(0.0), &small(1e-10)));
     }
 }

@@ -1,5 +1,5 @@
 //! The tools that tests and benches of every crate of pfront share: random numbers, shapes, moving scenes, hard triangle
-//! pairs, the truth about them, and tests that are not exact.
+//! pairs, the truth about them, and a test that is not exact.
 //!
 //! Nothing here depends on the library, and meshes are plain arrays: unit tests of `pfront-core` can use them too, and a
 //! fault of the library cannot hide behind its twin.

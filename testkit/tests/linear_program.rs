@@ -35,11 +35,16 @@ fn known_answers() {
     assert!(!self_hit([2, 0, 1], [2, 3, 3], &points), "a segment from a corner");
 }
 
+/// Pairs of each family; `PFRONT_ROUNDS` says how many.
+fn rounds() -> u32 {
+    std::env::var("PFRONT_ROUNDS").map_or(1000, |rounds| rounds.parse().unwrap())
+}
+
 #[test]
 fn closed_triangles_against_the_program() {
     for family in Family::ALL {
         let mut rng = seeded(1);
-        for _ in 0..5000 {
+        for _ in 0..rounds() {
             let (a, b) = family.pair(&mut rng);
             assert_eq!(intersect(&a, &b), meet(&a, &b), "{family:?}: {a:?} {b:?}");
         }
@@ -50,7 +55,7 @@ fn closed_triangles_against_the_program() {
 fn triangles_of_one_mesh_against_the_program() {
     for family in Family::ALL {
         let mut rng = seeded(2);
-        for _ in 0..2000 {
+        for _ in 0..rounds() / 2 {
             let (positions, ta, tb) = family.indexed(&mut rng);
             let expected = self_hit_by_program(ta, tb, &positions);
             let found = self_hit(ta, tb, &positions);

@@ -38,10 +38,9 @@ pub(super) fn document(bytes: &[u8], import: &mut Import) -> Result<Gltf, Fault>
     let mut root = root(text, &mut import.notes)?;
     let notes = &mut import.notes;
     for extension in std::mem::take(&mut root.extensions_required) {
-        let is = |names: &[&str]| names.iter().any(|name| extension.starts_with(name));
-        if is(&HARMLESS) {
+        if HARMLESS.split(' ').any(|name| extension.starts_with(name)) {
             notes.push(format!("{extension} is passed over: it leaves geometry alone"));
-        } else if !is(&READ) {
+        } else if !READ.iter().any(|name| extension.starts_with(name)) {
             let what = format!("requires the extension {extension}, which is not read");
             return Err(Fault::broken(what));
         }
@@ -159,38 +158,10 @@ const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"
 const READ: [&str; 2] = ["KHR_mesh_quantization", INSTANCING];
 
 /// Beginnings of the names of extensions that leave geometry alone.
-const HARMLESS: [&str; 30] = [
-    "KHR_technique",
-    "KHR_node_",
-    "KHR_physics_",
-    "KHR_interactivity",
-    "KHR_environment_map",
-    "ADOBE_materials_",
-    "AGI_",
-    "CESIUM_primitive_outline",
-    "EXT_mesh_manifold",
-    "FB_geometry_metadata",
-    "GRIFFEL_bim_data",
-    "MSFT_lod",
-    "MSFT_packing_",
-    "NV_materials_",
-    "OMI_",
-    "VRM",
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "MSFT_texture_",
-    "KHR_lights_",
-    "EXT_lights_",
-    "KHR_xmp",
-    "KHR_animation_pointer",
-    "KHR_audio",
-    "EXT_materials_",
-    "EXT_mesh_features",
-    "EXT_instance_features",
-    "EXT_structural_metadata",
-    "EXT_feature_metadata",
-];
+const HARMLESS: &str = "KHR_technique KHR_node_ KHR_physics_ KHR_interactivity KHR_environment_map KHR_materials_ KHR_texture_ \
+    KHR_lights_ KHR_xmp KHR_animation_pointer KHR_audio ADOBE_materials_ AGI_ CESIUM_primitive_outline EXT_mesh_manifold \
+    EXT_texture_ EXT_lights_ EXT_materials_ EXT_mesh_features EXT_instance_features EXT_structural_metadata EXT_feature_metadata \
+    FB_geometry_metadata GRIFFEL_bim_data MSFT_lod MSFT_packing_ MSFT_texture_ NV_materials_ OMI_ VRM";
 
 /// The bytes of all buffers, those of one file once.
 pub(crate) struct Buffers {

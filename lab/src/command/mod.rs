@@ -1,14 +1,11 @@
 //! The commands, a module for each. `Ok(false)` says that something was measured and found wrong.
 
-pub(crate) mod balance;
 pub(crate) mod chart;
 pub(crate) mod judge;
-pub(crate) mod passes;
-pub(crate) mod phases;
+pub(crate) mod profile;
 pub(crate) mod record;
 pub(crate) mod regret;
 pub(crate) mod replay;
-pub(crate) mod stability;
 
 use indicatif::{ProgressBar, ProgressStyle};
 

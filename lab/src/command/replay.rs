@@ -8,9 +8,9 @@ use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
 use pfront_cli::output::{Draft, out};
 use pfront_lab::pairs::PairWriter;
-use pfront_lab::player::{Asked, Objects, Player};
+use pfront_lab::player::{Objects, Player};
 use pfront_lab::recording::Recording;
-use pfront_lab::tally::Tally;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -93,7 +93,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let executor = replay.executor.open()?;
     let start = Clock::now();
     let objects = Objects::new(header).with_context(file)?;
-    let mut player = Player::new(objects, &Asked { adjacency, executor })?;
+    let mut player = Player::new(objects, adjacency, &executor)?;
     let [build, build_cpu] = Clock::now().since(start);
 
     let mut pairs = match &replay.pairs {
@@ -112,7 +112,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let mut out = out();
     writeln!(out, "BUILD\t{build:.6}\t{build_cpu:.6}")?;
     let bar = progress(frames.into(), "frame");
-    let mut tally = Tally::default();
+    let mut plans = BTreeMap::<String, usize>::new();
     for number in 0.. {
         let Some(frame) = recording.next_frame().with_context(file)? else { break };
         let begun = Clock::now();
@@ -133,7 +133,7 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
             pairs.frame(found).context("cannot write the pairs")?;
         }
         if let Some(plan) = player.plan() {
-            tally.add(plan);
+            *plans.entry(plan.backend.to_string()).or_default() += 1;
         }
         bar.inc(1);
     }
@@ -142,7 +142,8 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         pairs.finish().finish()?;
     }
     if replay.executor.is_auto() {
-        eprintln!("{tally}");
+        let told = plans.iter().map(|(backend, frames)| format!("{frames} {backend}"));
+        eprintln!("{frames} frames: {}", told.collect::<Vec<_>>().join(", "));
     }
     writeln!(out, "RSS\t{}\tbytes", memory::peak())?;
     Ok(true)

@@ -1,6 +1,6 @@
 //! Answers to triangle pairs in f64.
 
-use super::{Tally, Test};
+use super::{Tally, Test, tallies};
 use crate::suite::{BLOCK, Case};
 use crate::textbook;
 use pfront::pfront_core::triangle::{intersects, intersects_f64};
@@ -42,17 +42,15 @@ pub fn cases_in_f64(
 }
 
 /// For each way in which families are made f64, and each test, a tally of about `pairs` in all.
-pub fn tallies_in_f64(pairs: u64, seed: u64) -> [[Tally; IN_F64.len()]; InF64::ALL.len()] {
-    InF64::ALL.map(|way| {
-        let tallies = |cases: Vec<Case<Triangle64>>| {
-            IN_F64.map(|test| Tally::of(&cases, cases.iter().map(|c| (test.meets)(&c.a, &c.b))))
-        };
-        let none = || [Tally::default(); IN_F64.len()];
-        let both = |mut sums: [Tally; IN_F64.len()], others: [Tally; IN_F64.len()]| {
-            sums.iter_mut().zip(&others).for_each(|(sum, other)| sum.add(other));
-            sums
-        };
-        let pairs = pairs.div_ceil(InF64::ALL.len() as u64);
-        cases_in_f64(way, pairs, seed).map(tallies).reduce(none, both)
-    })
+pub fn judge_in_f64(pairs: u64, seed: u64) -> Vec<Vec<Tally>> {
+    let both = |mut sums: Vec<Tally>, others: Vec<Tally>| {
+        sums.iter_mut().zip(&others).for_each(|(sum, other)| sum.add(other));
+        sums
+    };
+    let way = |way| {
+        let blocks = cases_in_f64(way, pairs.div_ceil(InF64::ALL.len() as u64), seed);
+        let found = blocks.map(|cases| tallies(&IN_F64, &cases));
+        found.reduce(|| vec![Tally::default(); IN_F64.len()], both)
+    };
+    InF64::ALL.map(way).into()
 }

@@ -3,15 +3,17 @@
 #[cfg(feature = "gpu")]
 mod gpu;
 mod in_f64;
-mod ours;
 
 #[cfg(feature = "gpu")]
 pub use gpu::OnGpu;
-pub use in_f64::{IN_F64, cases_in_f64, tallies_in_f64};
-pub use ours::OURS;
+pub use in_f64::{IN_F64, cases_in_f64, judge_in_f64};
 
-use crate::suite::{Block, Case};
-use pfront::pfront_core::Triangle;
+use crate::suite::{Block, Case, Suite};
+use anyhow::Result;
+use pfront::pfront_core::bvtt::{PairBvtt, Query};
+use pfront::pfront_core::triangle::intersects;
+use pfront::pfront_core::{Aabb, Triangle};
+use pfront::{Bvh, Mesh, Node, Pose};
 use pfront_testkit::inexact;
 use rayon::prelude::*;
 
@@ -24,11 +26,28 @@ pub struct Test<T = Triangle> {
     pub meets: fn(&T, &T) -> bool,
 }
 
-/// The test of pfront by signs that may be wrong: see [`inexact`].
-pub const INEXACT: [Test; 2] = [
-    Test { name: "Conservative", meets: inexact::conservative },
-    Test { name: "Fast", meets: inexact::fast },
+/// The triangle test, and what a query makes of the pair, which decides what it can by certified tests in f32 vectors
+/// first.
+pub const OURS: [Test; 2] = [
+    Test { name: "Exact", meets: intersects },
+    Test { name: "Exact, in a query", meets: in_query },
 ];
+
+/// Asks a query about two meshes of one triangle each.
+fn in_query(a: &Triangle, b: &Triangle) -> bool {
+    let leaves = [a, b].map(|corners| {
+        let Aabb { min, max } = Aabb::of(corners);
+        [Node { min, max, first: 0, count: 1 }]
+    });
+    let bvh = |i: usize, corners| {
+        Bvh::new_unchecked(Mesh::new_unchecked(corners, &[[0, 1, 2]]), &leaves[i], &[0])
+    };
+    let query = PairBvtt::new(bvh(0, a), bvh(1, b), Pose::IDENTITY);
+    query.is_ok_and(|query| query.count() > 0)
+}
+
+/// The test of pfront by signs of plain f32: see [`inexact`].
+pub const FAST: Test = Test { name: "Fast", meets: inexact::fast };
 
 /// How some answers compare with the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,51 +91,39 @@ impl Tally {
         self.missed + self.false_hits
     }
 
-    /// `count` of all pairs, per million.
-    pub fn per_million(&self, count: u64) -> f64 {
-        1e6 * count as f64 / self.pairs.max(1) as f64
-    }
-
     /// The rate of errors, per million, that is not exceeded with 95 % confidence where no error was seen: 3/N.
     pub fn bound(&self) -> f64 {
         3e6 / self.pairs.max(1) as f64
     }
 }
 
-/// Hands on a block to tests, and keeps count.
-#[derive(Debug)]
-pub struct Judge {
-    tests: Vec<Test>,
-    /// For each set, a tally for each test.
-    scores: Vec<Vec<Tally>>,
+/// The tallies of tests on some cases.
+pub fn tallies<T>(tests: &[Test<T>], cases: &[Case<T>]) -> Vec<Tally> {
+    let answers = |test: &Test<T>| {
+        let meets = test.meets;
+        cases.iter().map(move |case| meets(&case.a, &case.b))
+    };
+    tests.iter().map(|test| Tally::of(cases, answers(test))).collect()
 }
 
-impl Judge {
-    /// For so many sets.
-    pub fn new(tests: &[Test], sets: usize) -> Self {
-        Self { tests: tests.to_vec(), scores: vec![vec![Tally::default(); tests.len()]; sets] }
-    }
-
-    /// Asks all tests about some blocks, in the rayon pool of the caller.
-    ///
-    /// # Panics
-    /// If a block is of a set that was not announced.
-    pub fn add(&mut self, blocks: &[Block]) {
-        let ask = |block: &Block| -> Vec<Tally> {
-            let answers = |test: &Test| {
-                Tally::of(&block.cases, block.cases.iter().map(|c| (test.meets)(&c.a, &c.b)))
-            };
-            self.tests.iter().map(answers).collect()
-        };
-        let tallies: Vec<_> = blocks.par_iter().map(ask).collect();
-        for (block, tallies) in blocks.iter().zip(tallies) {
-            let scores = self.scores[block.set].iter_mut();
-            scores.zip(tallies).for_each(|(score, tally)| score.add(&tally));
+/// For each set of a suite of so many pairs, a tally for each test, in the rayon pool of the caller; `beside` is told
+/// every block.
+///
+/// # Errors
+/// If `beside` fails.
+pub fn judge(
+    suite: &Suite,
+    pairs: u64,
+    tests: &[Test],
+    mut beside: impl FnMut(&Block) -> Result<()>,
+) -> Result<Vec<Vec<Tally>>> {
+    let mut scores = vec![vec![Tally::default(); tests.len()]; suite.sets.len()];
+    for blocks in suite.waves(pairs) {
+        let found: Vec<_> = blocks.par_iter().map(|block| tallies(tests, &block.cases)).collect();
+        for (block, found) in blocks.iter().zip(found) {
+            beside(block)?;
+            scores[block.set].iter_mut().zip(&found).for_each(|(score, tally)| score.add(tally));
         }
     }
-
-    /// For each set, a tally for each test.
-    pub fn scores(&self) -> &[Vec<Tally>] {
-        &self.scores
-    }
+    Ok(scores)
 }

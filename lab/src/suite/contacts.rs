@@ -1,24 +1,27 @@
-//! Triangle pairs from real contact: two posed meshes, or one deforming mesh and itself.
+//! Triangle pairs from the contacts of generated scenes: two posed meshes, or one deforming mesh and itself.
 //!
 //! A site is a place of contact. Block 0 of a set visits the sites as they are, a later one any of them,
 //! moved by up to a thousandth of its size: coordinates are other ones each time, and faces that lie
 //! flush along an axis often stay so, since a move may leave out axes.
 
 use anyhow::{Result, ensure};
+use glam::{DAffine3, DMat3, DVec3};
 use pfront::pfront_core::bvtt::{self, Query};
 use pfront::pfront_core::{Aabb, Bvh, Triangle};
 use pfront::{Model, Pose};
+use pfront_testkit::Rows;
 use pfront_testkit::oracle::share_a_vertex;
 use pfront_testkit::rng::{Rng, RngExt};
+use pfront_testkit::scenes::{Kind, Scene, round};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A body of a site.
-pub type Body = Arc<Model>;
+type Body = Arc<Model>;
 
 /// A place of contact.
 #[derive(Clone, Debug)]
-pub enum Site {
+enum Site {
     /// Two bodies, the second in a pose.
     Pair {
         /// The first, which stays where it is.
@@ -38,7 +41,7 @@ type Candidate = ([u32; 2], [Triangle; 2]);
 /// A set of sites, of which each has candidates.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    name: String,
+    pub(super) name: &'static str,
     sites: Vec<Site>,
 }
 
@@ -47,24 +50,14 @@ impl Contacts {
     ///
     /// # Errors
     /// If no site is left.
-    pub fn new(name: &str, sites: Vec<Site>) -> Result<Self> {
+    fn new(name: &'static str, sites: Vec<Site>) -> Result<Self> {
         let sites: Vec<_> =
             sites.into_par_iter().filter(|site| !site.strangers().is_empty()).collect();
         ensure!(
             !sites.is_empty(),
             "'{name}' has no two triangles whose boxes overlap: leave it out"
         );
-        Ok(Self { name: name.to_owned(), sites })
-    }
-
-    /// The name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The sites.
-    pub fn sites(&self) -> &[Site] {
-        &self.sites
+        Ok(Self { name, sites })
     }
 
     /// So many pairs for a block. Triangles that share a vertex of their mesh are left out: as closed
@@ -168,4 +161,50 @@ impl Site {
             }
         }
     }
+}
+
+/// The scenes, and the frames of each that are harvested: some in which its bodies touch.
+const SCENES: [(&str, &[usize]); 4] = [
+    ("worm-gear", &[0, 17, 34, 51, 68, 85, 102]),
+    ("epicyclic", &[0, 31, 62]),
+    ("torus-knots", &[35, 45, 55, 65, 75, 85]),
+    ("sheet", &[60, 80, 100]),
+];
+
+/// All sets, each in about `size` triangles.
+pub(super) fn all(size: Option<usize>) -> Result<Vec<Contacts>> {
+    SCENES.map(|(name, frames)| contacts(name, frames, size)).into_iter().collect()
+}
+
+fn contacts(name: &'static str, frames: &[usize], size: Option<usize>) -> Result<Contacts> {
+    let scene = Scene::by_name(name, size)?;
+    let model = |positions: &[[f32; 3]], triangles: &[[u32; 3]]| {
+        Model::new(positions.to_vec(), triangles.to_vec()).map(Arc::new)
+    };
+    let bodies = scene.meshes.iter().map(|mesh| model(&mesh.positions, &mesh.triangles));
+    let bodies = bodies.collect::<Result<Vec<Body>, _>>()?;
+    let (mut sites, mut poses, mut positions) = (Vec::new(), Vec::new(), Vec::new());
+    for &frame in frames {
+        if scene.kind() == Kind::SelfMesh {
+            scene.positions(frame, &mut positions);
+            sites.push(Site::Within(model(&positions, &scene.meshes[0].triangles)?));
+            continue;
+        }
+        scene.poses(frame, &mut poses);
+        for (i, pose_a) in poses.iter().enumerate() {
+            for (j, pose_b) in poses.iter().enumerate().skip(i + 1) {
+                let [a, b] = [i, j].map(|object| bodies[scene.objects[object]].clone());
+                let a_from_b = Pose::new(round(affine(pose_a).inverse() * affine(pose_b)));
+                sites.push(Site::Pair { a, b, a_from_b });
+            }
+        }
+    }
+    Contacts::new(name, sites)
+}
+
+fn affine(rows: &Rows) -> DAffine3 {
+    let [x, y, z] = rows.map(|row| row.map(f64::from));
+    let linear = [x, y, z].map(|[u, v, w, _]| DVec3::new(u, v, w));
+    let linear = DMat3::from_cols(linear[0], linear[1], linear[2]).transpose();
+    DAffine3::from_mat3_translation(linear, DVec3::new(x[3], y[3], z[3]))
 }

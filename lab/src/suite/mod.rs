@@ -9,11 +9,8 @@
 //! machine; a suite of 10^8 pairs takes no memory.
 
 mod contacts;
-pub mod file;
-mod scenes;
 
-pub use contacts::{Body, Contacts, Site};
-pub use file::{Reader, Writer, answers};
+pub use contacts::Contacts;
 
 use anyhow::Result;
 use pfront::pfront_core::Triangle;
@@ -47,28 +44,19 @@ pub struct Block {
 
 /// One set of a suite.
 #[derive(Clone, Debug)]
-pub struct Set {
-    name: String,
-    source: Source,
-}
-
-#[derive(Clone, Debug)]
-enum Source {
+pub enum Set {
+    /// Pairs that are made to be hard.
     Family(Family),
+    /// Pairs from the contacts of a scene.
     Contacts(Contacts),
 }
 
 impl Set {
     /// The name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Where the pairs were harvested, if they are from real contact.
-    pub fn contacts(&self) -> Option<&Contacts> {
-        match &self.source {
-            Source::Family(_) => None,
-            Source::Contacts(contacts) => Some(contacts),
+    pub fn name(&self) -> String {
+        match self {
+            Self::Family(family) => family.name(),
+            Self::Contacts(contacts) => contacts.name.to_owned(),
         }
     }
 }
@@ -80,19 +68,19 @@ impl Set {
 /// use pfront_lab::suite::Suite;
 /// let suite = Suite::of_families(7);
 /// let wave = suite.waves(290).next().unwrap();
-/// assert_eq!((suite.sets().len(), wave[0].cases.len()), (29, 10));
+/// assert_eq!((suite.sets.len(), wave[0].cases.len()), (29, 10));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Suite {
     seed: u64,
-    sets: Vec<Set>,
+    /// The sets, in their order.
+    pub sets: Vec<Set>,
 }
 
 impl Suite {
     /// A set for each [`Family`].
     pub fn of_families(seed: u64) -> Self {
-        let set = |family: Family| Set { name: family.name(), source: Source::Family(family) };
-        Self { seed, sets: Family::ALL.map(set).into() }
+        Self { seed, sets: Family::ALL.map(Set::Family).into() }
     }
 
     /// [`Suite::of_families`], and the contacts of the generated scenes: worm drive, epicyclic gears, torus
@@ -101,24 +89,9 @@ impl Suite {
     /// # Errors
     /// If a scene is too coarse for its bodies to come near each other.
     pub fn generated(seed: u64, size: Option<usize>) -> Result<Self> {
-        Ok(scenes::all(size)?.into_iter().fold(Self::of_families(seed), Self::with))
-    }
-
-    /// The same with one more set, from real contact.
-    pub fn with(mut self, contacts: Contacts) -> Self {
-        let name = contacts.name().to_owned();
-        self.sets.push(Set { name, source: Source::Contacts(contacts) });
-        self
-    }
-
-    /// The seed.
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// The sets, in their order.
-    pub fn sets(&self) -> &[Set] {
-        &self.sets
+        let mut suite = Self::of_families(seed);
+        suite.sets.extend(contacts::all(size)?.into_iter().map(Set::Contacts));
+        Ok(suite)
     }
 
     /// How many of `pairs` each set gets: equally many, the first ones one more if they must.
@@ -149,14 +122,12 @@ impl Suite {
     /// # Panics
     /// If there is no such set.
     pub fn block(&self, set: usize, block: u64, length: usize) -> Vec<Case> {
-        let Set { name, source } = &self.sets[set];
-        let mut rng = seeded(self.seed ^ checksum(name.bytes()));
+        let set = &self.sets[set];
+        let mut rng = seeded(self.seed ^ checksum(set.name().bytes()));
         rng.set_stream(block);
-        let pairs: Vec<_> = match source {
-            Source::Family(family) => {
-                (0..length.min(BLOCK)).map(|_| family.pair(&mut rng)).collect()
-            }
-            Source::Contacts(contacts) => contacts.harvest(block, length.min(BLOCK), &mut rng),
+        let pairs: Vec<_> = match set {
+            Set::Family(family) => (0..length.min(BLOCK)).map(|_| family.pair(&mut rng)).collect(),
+            Set::Contacts(contacts) => contacts.harvest(block, length.min(BLOCK), &mut rng),
         };
         pairs.into_iter().map(|(a, b)| Case { a, b, meets: intersect(&a, &b) }).collect()
     }

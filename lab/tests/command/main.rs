@@ -3,9 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod judge;
-mod regret;
 mod replay;
-mod stability;
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -48,18 +46,17 @@ fn refusals_say_what_and_where() {
     std::fs::write(at.join("text"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     for (arguments, part) in [
         ("replay short.tcw", "short.tcw: at byte 8"),
-        ("balance short.tcw", "short.tcw: at byte 8"),
-        ("passes short.tcw", "short.tcw: at byte 8"),
+        ("profile short.tcw", "short.tcw: at byte 8"),
+        ("regret short.tcw", "short.tcw: at byte 8"),
         ("replay text", "not a workload"),
         ("replay a.obj,b.obj", "a.obj,b.obj: not one mesh"),
         ("replay nothing", "built-in scenes: worm-gear"),
         ("replay a.obj --size 9", "--size is for built-in scenes"),
         ("record nothing x.tcw", "worm-gear"),
-        ("chart --out a.obj", "cannot make the folder a.obj"),
+        ("chart no/such/folder.csv", "no/such/folder.csv"),
         ("replay sheet --threads 100000", "must be 1 to"),
         ("regret --threads 100000", "must be 1 to"),
-        ("regret --cases 0", "invalid value"),
-        ("stability --row nothing", "few-nodes"),
+        ("regret --rounds 0", "invalid value"),
     ] {
         let error = refused(at, arguments);
         assert!(error.contains(part), "no '{part}' in what 'pfront-lab {arguments}' said: {error}");

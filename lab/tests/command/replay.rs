@@ -1,6 +1,6 @@
-//! `pfront-lab record`, `replay`, `balance` and `passes`.
+//! `pfront-lab record`, `replay`, `profile` and `regret`.
 
-use super::{command, folder, out, refused};
+use super::{folder, out, refused};
 use pfront_lab::pairs;
 use std::fs::{self, File};
 
@@ -86,15 +86,6 @@ fn neighbours_are_skipped() {
 }
 
 #[test]
-fn auto_says_who_answered() {
-    let folder = folder();
-    let at = folder.path();
-    let ended = command(at, "replay epicyclic --frames 3 --backend auto").output().unwrap();
-    let said = String::from_utf8(ended.stderr).unwrap();
-    assert!(ended.status.success() && said.starts_with("3 frames: "), "{said}");
-}
-
-#[test]
 fn files_are_replaced_only_by_whole_ones() {
     let folder = folder();
     let at = folder.path();
@@ -118,64 +109,27 @@ fn files_are_replaced_only_by_whole_ones() {
 }
 
 #[test]
-fn broken_workloads_are_refused() {
+fn frames_are_profiled_on_threads_and_on_a_gpu() {
     let folder = folder();
-    let at = folder.path();
-    out(at, "record sheet whole.tcw --size 800 --frames 2");
-    let whole = fs::read(at.join("whole.tcw")).unwrap();
-    let cuts = [0, 7, 8, 20, 24, 31, 40, whole.len() / 2, whole.len() - 1];
-    let mut broken: Vec<_> = cuts.map(|cut| whole[..cut].to_vec()).into();
-    // A coordinate of the mesh, and one of the last frame.
-    for place in [32, whole.len() - 4] {
-        let mut bytes = whole.clone();
-        bytes[place..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
-        broken.push(bytes);
-    }
-    for bytes in &broken {
-        fs::write(at.join("broken.tcw"), bytes).unwrap();
-        for arguments in ["replay broken.tcw", "balance broken.tcw -p 2"] {
-            assert!(!refused(at, arguments).is_empty());
-        }
-    }
-}
-
-#[test]
-fn fronts_are_balanced_and_passes_are_timed() {
-    let folder = folder();
-    let at = folder.path();
-    let table = out(at, "balance sheet --size 2000 --frames 3 -p 1,7 --reference --svg b.svg");
-    assert_eq!(table.lines().count(), 2 + 2, "{table}");
-    assert_eq!(
-        out(at, "balance sheet --size 2000 --frames 3 -p 1,7 --format csv").lines().count(),
-        7
-    );
-    let svg = fs::read_to_string(at.join("b.svg")).unwrap();
-    assert!(svg.contains("p = 7") && svg.contains("better: down"));
-
-    let table = out(at, "passes sheet worm-gear --size 2000 --frames 2");
-    for part in ["sheet: ", "worm-gear: ", "levels a pass"] {
+    let asked = "profile sheet worm-gear --size 2000 --frames 3 -p 1,2 --gpu";
+    let table = out(folder.path(), asked);
+    for part in ["sheet: ms", "worm-gear: ms", "balance", "a GPU is timed for two objects"] {
         assert!(table.contains(part), "no '{part}' in:\n{table}");
     }
-    assert!(refused(at, "passes sheet --budget 100").contains("minimum"));
+    let rows = |first: &str| table.lines().filter(|line| line.starts_with(first)).count();
+    assert_eq!([rows("   1 "), rows("   2 ")], [2, 2], "{table}");
+    assert!(rows(" GPU ") > 3, "{table}");
 }
 
-/// Valgrind hides the page of the kernel that tells the time.
-#[cfg(target_os = "linux")]
 #[test]
-fn replays_run_under_valgrind() {
+fn choices_are_compared_with_fixed_plans() {
     let folder = folder();
-    let at = folder.path();
-    out(at, "record sheet w.tcw --size 200 --frames 1");
-    let replay = command(at, "replay w.tcw --threads 1");
-    let run = std::process::Command::new("valgrind")
-        .args(["-q", "--tool=none"])
-        .arg(replay.get_program())
-        .args(replay.get_args())
-        .current_dir(at)
-        .output();
-    // Without valgrind: .ci/capi installs it.
-    let run = run.unwrap();
-    let error = String::from_utf8(run.stderr).unwrap();
-    assert!(run.status.success(), "{error}");
-    assert!(String::from_utf8(run.stdout).unwrap().contains("FRAME\t0"), "{error}");
+    let asked = "regret --frames 3 --size 2000 --rounds 1 --threads 2 --backend gpu";
+    let table = out(folder.path(), asked);
+    for part in ["one thread, ms", "2 threads, ms", "GPU, ms", "choice, ms", "regret: mean"] {
+        assert!(table.contains(part), "no '{part}' in:\n{table}");
+    }
+    assert_eq!(table.lines().count(), 1 + 1 + 14 + 1, "{table}");
+    let played = out(folder.path(), "regret worm-gear --frames 5 --rounds 1 --backend cpu");
+    assert!(played.lines().any(|line| line.starts_with("worm-gear")), "{played}");
 }

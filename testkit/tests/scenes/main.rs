@@ -1,8 +1,6 @@
-//! Every scene: sound meshes, the sizes the paper names, the same bits everywhere, real contact.
+//! Every scene: sound meshes, the sizes the paper names, the same bits everywhere.
 
 #[cfg(test)]
 mod meshes;
-#[cfg(test)]
-mod motion;
 #[cfg(test)]
 mod oracle;

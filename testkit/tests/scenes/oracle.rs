@@ -1,11 +1,9 @@
-//! Oracles for the scenes: whether a mesh is closed, and where it touches another.
+//! Oracles for the scenes: whether a mesh is closed.
 
 use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
-use pfront_testkit::oracle;
-use pfront_testkit::shapes::posed;
-use pfront_testkit::{MeshData, Rows};
+use pfront_testkit::MeshData;
 
 /// The directed edges. Each may occur once, no triangle may be degenerate, no position twice, and
 /// no vertex unused.
@@ -50,22 +48,4 @@ pub(crate) fn assert_closed(mesh: &MeshData, genus: i64) {
         assert_eq!(steps, degree[v as usize], "the triangles round vertex {v} are not one fan");
     }
     assert!(mesh.volume() > 0.0, "the mesh is inside out");
-}
-
-/// A mesh in the world.
-pub(crate) fn in_world(mesh: &MeshData, pose: &Rows) -> MeshData {
-    MeshData { positions: posed(&mesh.positions, pose), ..mesh.clone() }
-}
-
-/// How many pairs of triangles of two meshes share a point.
-pub(crate) fn touching(a: &MeshData, b: &MeshData) -> usize {
-    oracle::pairs(&a.positions, &a.triangles, &b.positions, &b.triangles).len()
-}
-
-/// How many pairs of triangles of one mesh share a point and no vertex.
-pub(crate) fn self_touching(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> usize {
-    let pairs = oracle::self_pairs(positions, triangles);
-    let share =
-        |&(i, j): &(u32, u32)| oracle::share_a_vertex(triangles[i as usize], triangles[j as usize]);
-    pairs.iter().filter(|pair| !share(pair)).count()
 }
