@@ -13,7 +13,7 @@ left_out=()
 what=(--workspace) features=gpu,glam033,glam034,serde
 if [ "${1:-}" = --fast ]; then
   shift
-  what=(-p pfront -p pfront-core -p pfront-cpu -p pfront-shaders) features=glam033,glam034,serde
+  what=(-p pfront -p pfront-core -p pfront-blob -p pfront-cpu -p pfront-shaders) features=glam033,glam034,serde
   left_out+=("GPUs, the commands and the lab (--fast)")
 else
   .ci/vulkan
