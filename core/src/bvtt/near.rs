@@ -30,10 +30,15 @@ impl TriangleBlock {
         let mut pairs = PairSets::default();
         let (is_shadow, error) = (error.is_some(), error.unwrap_or(Vec3A::ZERO));
         // Rounded up, so that no box is too far away that is not.
-        let grown = |k: usize| S::splat((error[k] + distance).next_up());
-        let around = Some([grown(0), grown(1), grown(2)]);
-        let Aabb { min, max } = self.bounds;
-        let mut rows = other.overlapping(min.map(S::splat), max.map(S::splat), around);
+        let grown = error + Vec3A::splat(distance);
+        let around = Some([
+            S::splat(grown.x.next_up()),
+            S::splat(grown.y.next_up()),
+            S::splat(grown.z.next_up()),
+        ]);
+        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
+        let low = [S::splat(a), S::splat(b), S::splat(c)];
+        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], around);
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
@@ -148,9 +153,9 @@ impl Group {
     fn certify<S: Simd>(&self, reach: &Reach<S>) -> [u64; 2] {
         let mut lanes = [0; 2];
         for at in chunk_starts::<S>().take_while(|at| *at < self.len) {
-            let [a, b] =
-                self.corners.each_ref().map(|[p, q, r]| [load(p, at), load(q, at), load(r, at)]);
-            let found = certify::<S>(a, b, reach);
+            let [[p, q, r], [u, v, w]] = &self.corners;
+            let a = [load(p, at), load(q, at), load(r, at)];
+            let found = certify::<S>(a, [load(u, at), load(v, at), load(w, at)], reach);
             lanes[0] |= found[0] << at;
             lanes[1] |= found[1] << at;
         }

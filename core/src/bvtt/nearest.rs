@@ -49,9 +49,10 @@ pub(super) struct Reach<S> {
 /// Lanes in which the triangles are certainly within the distance, and lanes in which they are certainly beyond it.
 #[inline(always)]
 pub(super) fn certify<S: Simd>(a: [[S; 3]; 3], b: [[S; 3]; 3], reach: &Reach<S>) -> [u32; 2] {
-    let relative = |p: [S; 3]| scaled(difference(p, a[0]), reach.scale);
-    let zero = S::splat(0.0);
-    let (a, b) = ([[zero; 3], relative(a[1]), relative(a[2])], b.map(relative));
+    let (zero, origin, scale) = (S::splat(0.0), a[0], reach.scale);
+    let [p, q] = [relative(a[1], origin, scale), relative(a[2], origin, scale)];
+    let [u, v] = [relative(b[0], origin, scale), relative(b[1], origin, scale)];
+    let (a, b) = ([[zero; 3], p, q], [u, v, relative(b[2], origin, scale)]);
     let z = between(&a, &b);
     let [mut extent, rest] = [highest(abs(a[1]), abs(a[2])), highest(abs(b[0]), abs(b[1]))];
     extent = highest(highest(extent, rest), abs(b[2]));
@@ -63,8 +64,8 @@ pub(super) fn certify<S: Simd>(a: [[S; 3]; 3], b: [[S; 3]; 3], reach: &Reach<S>)
     let is_within = zero.le(most) & (square * S::splat(1.0 + 16.0 * UNIT)).le(most * most);
 
     let least = reach.distance + error;
-    let heights = |t: &[[S; 3]; 3]| t.map(|p| dot(z, p));
-    let ([p, q, r], [u, v, w]) = (heights(&a), heights(&b));
+    let (p, q, r) = (zero, dot(z, a[1]), dot(z, a[2]));
+    let (u, v, w) = (dot(z, b[0]), dot(z, b[1]), dot(z, b[2]));
     // From x to y, heights are along −z.
     let gap = p.min(q).min(r) - u.max(v).max(w);
     let bound = square * (least * least) * S::splat(1.0 + 32.0 * UNIT);
@@ -76,27 +77,20 @@ pub(super) fn certify<S: Simd>(a: [[S; 3]; 3], b: [[S; 3]; 3], reach: &Reach<S>)
 /// x − y for near points x and y of two triangles: the nearest but for rounding, unless they intersect.
 #[inline(always)]
 fn between<S: Simd>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [S; 3] {
-    let edges =
-        |t: &[[S; 3]; 3]| [difference(t[1], t[0]), difference(t[2], t[1]), difference(t[0], t[2])];
     let (of_a, of_b) = (edges(a), edges(b));
     let mut best = Best { z: difference(a[0], b[0]), square: S::splat(f32::INFINITY) };
-    let one = S::splat(1.0);
-    let inverse = |g: [S; 3]| one / dot(g, g);
-    let (by_a, by_b) = (of_a.map(inverse), of_b.map(inverse));
     for k in 0..3 {
+        let edge = Edge::new(a[k], of_a[k]);
         for l in 0..3 {
-            best.take(between_edges(
-                Edge { p: a[k], g: of_a[k], inverse: by_a[k] },
-                Edge { p: b[l], g: of_b[l], inverse: by_b[l] },
-            ));
+            best.take(between_edges(&edge, &Edge::new(b[l], of_b[l])));
         }
     }
-    // The edges from the first corner to the others.
-    let face = |edges: &[[S; 3]; 3]| [edges[0], scaled(edges[2], S::splat(-1.0))];
-    let (face_a, face_b) = (Face::new(a[0], face(&of_a)), Face::new(b[0], face(&of_b)));
+    let minus_one = S::splat(-1.0);
+    let face_a = Face::new(a[0], of_a[0], scaled(of_a[2], minus_one));
+    let face_b = Face::new(b[0], of_b[0], scaled(of_b[2], minus_one));
     for k in 0..3 {
         best.take(face_a.to_point(b[k]));
-        best.take(scaled(face_b.to_point(a[k]), S::splat(-1.0)));
+        best.take(scaled(face_b.to_point(a[k]), minus_one));
     }
     best.z
 }
@@ -124,12 +118,18 @@ struct Edge<S> {
     inverse: S,
 }
 
+impl<S: Simd> Edge<S> {
+    #[inline(always)]
+    fn new(p: [S; 3], g: [S; 3]) -> Self {
+        Self { p, g, inverse: S::splat(1.0) / dot(g, g) }
+    }
+}
+
 /// x − y for the nearest points of two segments (Ericson, *Real-Time Collision Detection*, 5.1.9). Segments in parallel have
 /// some of them.
 #[inline(always)]
-fn between_edges<S: Simd>(a: Edge<S>, b: Edge<S>) -> [S; 3] {
-    let (Edge { p, g, .. }, Edge { p: q, g: h, .. }) = (&a, &b);
-    let (g, h, w) = (*g, *h, difference(*p, *q));
+fn between_edges<S: Simd>(a: &Edge<S>, b: &Edge<S>) -> [S; 3] {
+    let (g, h, w) = (a.g, b.g, difference(a.p, b.p));
     let (gg, gh, hh, gw, hw) = (dot(g, g), dot(g, h), dot(h, h), dot(g, w), dot(h, w));
     let s = clamped((gh * hw - gw * hh) / (gg * hh - gh * gh));
     let t = clamped((gh * s + hw) * b.inverse);
@@ -151,7 +151,7 @@ struct Face<S> {
 
 impl<S: Simd> Face<S> {
     #[inline(always)]
-    fn new(p: [S; 3], [g, h]: [[S; 3]; 2]) -> Self {
+    fn new(p: [S; 3], g: [S; 3], h: [S; 3]) -> Self {
         let (gg, gh, hh) = (dot(g, g), dot(g, h), dot(h, h));
         let n = cross(g, h);
         Self { p, g, h, gg, gh, hh, inverse: S::splat(1.0) / dot(n, n) }
@@ -167,6 +167,18 @@ impl<S: Simd> Face<S> {
         let t = t.min(S::splat(1.0) - s);
         difference(sum(scaled(self.g, s), scaled(self.h, t)), w)
     }
+}
+
+/// The edges of a triangle, from each corner to the next.
+#[inline(always)]
+fn edges<S: Simd>(t: &[[S; 3]; 3]) -> [[S; 3]; 3] {
+    [difference(t[1], t[0]), difference(t[2], t[1]), difference(t[0], t[2])]
+}
+
+/// A point relative to another, scaled.
+#[inline(always)]
+fn relative<S: Simd>(p: [S; 3], origin: [S; 3], scale: S) -> [S; 3] {
+    scaled(difference(p, origin), scale)
 }
 
 #[inline(always)]
