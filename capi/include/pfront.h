@@ -146,6 +146,8 @@ enum pfront_status_t
   // The GPU failed: it is lost or out of memory, has no room for a mesh, or does not compute with a coordinate as large as one of
   // these. Another executor may answer.
   PFRONT_DEVICE = 37,
+  // The distance `what` is NaN, infinite or negative.
+  PFRONT_DISTANCE = 38,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -946,6 +948,13 @@ pfront_status_t pfront_model_query_create(const struct pfront_executor_t *execut
 pfront_status_t pfront_model_query_free(struct pfront_model_query_t *query,
                                         struct pfront_error_t *error);
 
+// The query is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
+// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect, and triangles of one mesh that
+// share a vertex are asked about as `rule` says.
+pfront_status_t pfront_model_query_within(struct pfront_model_query_t *query,
+                                          float distance,
+                                          struct pfront_error_t *error);
+
 // Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
 // until this is called again, or the query is freed.
 pfront_status_t pfront_model_query_all(struct pfront_model_query_t *query,
@@ -999,6 +1008,12 @@ pfront_status_t pfront_batch_count(const struct pfront_executor_t *executor,
 // neither threads nor a GPU; any other one is PFRONT_FORKED there, and can only be freed.
 pfront_status_t pfront_scene_create(const struct pfront_executor_t *executor,
                                     struct pfront_scene_t **scene,
+                                    struct pfront_error_t *error);
+
+// The scene is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
+// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect.
+pfront_status_t pfront_scene_within(struct pfront_scene_t *scene,
+                                    float distance,
                                     struct pfront_error_t *error);
 
 // Frees a scene and all that it has handed out; null is fine. Models stay. PFRONT_BUSY if another thread is inside a call with

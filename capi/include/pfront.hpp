@@ -254,6 +254,8 @@ class query {
 public:
     query() : query(nullptr) {}
     explicit query(const executor& on) : query(on.get()) {}
+    // Asks for pairs at most so far apart from now on; 0 for those that intersect.
+    void within(float distance) { detail::call(pfront_model_query_within, object_.get(), distance); }
     span<const pair> all(const pfront_subject_t& subject) { return detail::list<pair>(pfront_model_query_all, object_.get(), &subject); }
     std::optional<pair> any(const pfront_subject_t& subject) {
         return detail::found<pair>(pfront_model_query_any, object_.get(), &subject);
@@ -298,6 +300,8 @@ class scene {
 public:
     scene() : scene(nullptr) {}
     explicit scene(const executor& on) : scene(on.get()) {}
+    // Asks for pairs at most so far apart from now on; 0 for those that intersect.
+    void within(float distance) { detail::call(pfront_scene_within, object_.get(), distance); }
 
     std::uint64_t add(const model& model, const pose& world_from_body = identity) {
         std::uint64_t body = 0;

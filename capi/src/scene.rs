@@ -25,6 +25,7 @@ use crate::status::pfront_status_t;
 use crate::status::{Fault, pfront_error_t};
 pub use bodies::*;
 use core::ffi::c_void;
+use core::mem::take;
 use core::ptr::null;
 pub use hits::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
@@ -90,6 +91,25 @@ pub unsafe extern "C" fn pfront_scene_create(
             pieces: Vec::new(),
             positions: Vec::new(),
         })?);
+        Ok(())
+    })
+}
+
+/// The scene is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
+/// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_scene_within(
+    scene: *mut pfront_scene_t,
+    distance: f32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let scene = call.owned(c"scene", scene)?;
+        scene.own.check(c"scene")?;
+        // A distance that is refused leaves the scene as it is.
+        SceneQuery::new().within(distance)?;
+        scene.query = take(&mut scene.query).within(distance)?;
         Ok(())
     })
 }

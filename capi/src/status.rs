@@ -90,6 +90,8 @@ pub enum pfront_status_t {
     /// The GPU failed: it is lost or out of memory, has no room for a mesh, or does not compute with a coordinate as large as one of
     /// these. Another executor may answer.
     PFRONT_DEVICE = 37,
+    /// The distance `what` is NaN, infinite or negative.
+    PFRONT_DISTANCE = 38,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -113,7 +115,7 @@ pub struct pfront_error_t {
 #[unsafe(no_mangle)]
 #[expect(unsafe_code, reason = "C finds functions by name")]
 pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 38] = [
+    const TEXTS: [&CStr; 39] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -152,6 +154,7 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
         c"a quaternion is not of length 1",
         c"there is no GPU, or the library was built without",
         c"the GPU failed",
+        c"a distance is NaN, infinite or negative",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

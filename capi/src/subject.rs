@@ -19,6 +19,7 @@ use crate::status::pfront_status_t::{self, PFRONT_NULL};
 use crate::status::{Fault, pfront_error_t};
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
 use pfront::{Adjacency, AnyPose, Batch, Error, Model, PairQuery, Pose64, SelfQuery, TrianglePair};
+use std::mem::take;
 use std::sync::Arc;
 
 /// Two models, the second posed, or one model and itself.
@@ -139,6 +140,29 @@ pub unsafe extern "C" fn pfront_model_query_free(
 ) -> pfront_status_t {
     // SAFETY: the contract of the header.
     unsafe { Caller::trusted() }.call(error, |call| call.free(c"query", query))
+}
+
+/// The query is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
+/// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect, and triangles of one mesh that
+/// share a vertex are asked about as `rule` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pfront_model_query_within(
+    query: *mut pfront_model_query_t,
+    distance: f32,
+    error: *mut pfront_error_t,
+) -> pfront_status_t {
+    // SAFETY: the contract of the header.
+    unsafe { Caller::trusted() }.call(error, |call| {
+        let query = call.owned(c"query", query)?;
+        query.own.check(c"query")?;
+        // A distance that is refused leaves the queries as they are.
+        PairQuery::new().within(distance)?;
+        query.pair = take(&mut query.pair).within(distance)?;
+        for own in &mut query.within {
+            *own = take(own).within(distance)?;
+        }
+        Ok(())
+    })
 }
 
 /// A query in the process that it belongs to, and what it is asked about.

@@ -329,6 +329,9 @@ static void mistakes(void)
     EXPECT(PFRONT_NULL, "scene", pfront_scene_create(NULL, NULL, &error));
     THAT(scene == NULL);
     OK(pfront_scene_create(NULL, &scene, &error));
+    EXPECT(PFRONT_DISTANCE, "distance", pfront_scene_within(scene, -1, &error));
+    OK(pfront_scene_within(scene, 0.5f, &error));
+    OK(pfront_scene_within(scene, 0, &error));
     EXPECT(PFRONT_NULL, "scene", pfront_scene_add(NULL, model, &still, &body, &error));
     EXPECT(PFRONT_NULL, "model", pfront_scene_add(scene, NULL, &still, &body, &error));
     EXPECT(PFRONT_NULL, "world_from_body", pfront_scene_add(scene, model, NULL, &body, &error));

@@ -131,6 +131,14 @@ static void subjects(void)
     EXPECT(PFRONT_NULL, "query", pfront_model_query_count(NULL, &asked[0], &count, &error));
     EXPECT(PFRONT_NULL, "count", pfront_model_query_count(query, &asked[0], NULL, &error));
     EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_self(&tetrahedra, 3, NULL, &list, &error));
+    // Everything is within a kilometre, and 0 asks for what intersects again.
+    OK(pfront_model_query_within(query, 1e3f, &error));
+    OK(pfront_model_query_count(query, &asked[1], &count, &error));
+    THAT(count == TRIANGLES * TRIANGLES);
+    EXPECT(PFRONT_DISTANCE, "distance", pfront_model_query_within(query, -1, &error));
+    OK(pfront_model_query_count(query, &asked[1], &count, &error));
+    THAT(count == TRIANGLES * TRIANGLES);
+    OK(pfront_model_query_within(query, 0, &error));
     // A list is good until another one of the kind is asked for.
     const pfront_pair_t *kept;
     const pfront_model_contact_t *contacts;

@@ -32,6 +32,9 @@ static void models(const pfront::buffers& floor, const pfront::buffers& blade) {
     EXPECT(query.all(pfront::subject(a, b)).size() == 1 && query.count(pfront::subject(a, b, far)) == 0);
     EXPECT(query.any(pfront::subject(a, b)) && !query.any(pfront::subject(a)));
     EXPECT(query.contacts(pfront::subject(a, b))[0].contact.kind == PFRONT_CROSSING);
+    query.within(1e6f);
+    EXPECT(query.count(pfront::subject(a, b, far)) > 0);
+    query.within(0);
     const pfront_subject_t subjects[] = {pfront::subject(a, b, near), pfront::subject(a, b, far)};
     const auto counts = pfront::batch_count(subjects);
     EXPECT(counts[0] == 1 && counts[1] == 0);
@@ -67,6 +70,7 @@ static void scenes(const pfront::buffers& floor, const pfront::buffers& blade) {
     taken.ignore(a, b, false);
     taken.set_pose(b, moved(9));
     EXPECT(taken.count() == 0);
+    taken.within(0);
     taken.set_pose(b, pfront::pose64{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
     EXPECT(taken.count() == 1);
     taken.set_positions(a, rows{{0, 0, 5}, {4, 0, 5}, {0, 4, 5}});

@@ -160,6 +160,7 @@ impl From<pfront::Error> for Fault {
             Error::Memory { needed } => {
                 Self::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(needed, 0)
             }
+            Error::Distance(_) => Self::of(PFRONT_DISTANCE, c"distance"),
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
             }
