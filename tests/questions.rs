@@ -35,7 +35,7 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 
 /// The files of all queries.
 const QUERIES: [&str; 5] =
-    ["src/pair.rs", "src/within.rs", "src/scene/mod.rs", "src/scene/edit.rs", "src/batch/mod.rs"];
+    ["src/pair.rs", "src/itself.rs", "src/scene/mod.rs", "src/scene/edit.rs", "src/batch/mod.rs"];
 
 #[test]
 fn every_verb_is_on_the_page_and_no_other_name() {
