@@ -8,6 +8,7 @@ use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use pfront::pfront_core::Distance;
 use pfront::pfront_core::bvh::MAX_LEAF_SIZE;
 use pfront::{AnyPose, Pose, Pose64};
 use pfront_cli::executor::{Backend, ExecutorArgs, parse_threads};
@@ -24,13 +25,14 @@ Examples:
   pfront any a.obj b.stl && echo they touch
   pfront self cloth.ply --csv > folds.csv
   pfront scene room.glb --ignore 'Lid*' Box       the bodies of a scene that meet, by name
+  pfront scene room.glb --bodies --within 0.5     the bodies that are at most so far apart
   pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
   pfront pairs a.obj b.obj --out curve.obj        the curves in which they intersect
   pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
-  0  done; for any: something meets
-  1  for any: nothing meets; with --fail: something does
+  0  done; for any: something meets, or is within the distance
+  1  for any: nothing is so; with --fail: something is
   2  the command line or a file was refused; standard error says why
   130  interrupted";
 
@@ -176,6 +178,29 @@ pub(crate) fn words(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     all
 }
 
+/// How near triangles are asked for.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct Near {
+    /// Ask for pairs at most so far apart in place of those that intersect, exactly; rounded up to f32, so that no pair is missed.
+    /// What triangles share within one mesh counts as without. Contacts and curves are those of pairs that intersect. CPUs answer
+    #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true, value_parser = near)]
+    pub(crate) within: Option<f32>,
+}
+
+impl Near {
+    /// The distance, which is 0 for pairs that intersect.
+    pub(crate) fn distance(self) -> f32 {
+        self.within.unwrap_or(0.0)
+    }
+}
+
+/// The least f32 that is not below a distance.
+fn near(text: &str) -> Result<f32, String> {
+    let distance = text.parse::<f64>().map_err(|_| "not a number".to_owned())?;
+    let distance = Distance::at_least(distance).map_err(|error| error.to_string())?;
+    Ok(distance.get())
+}
+
 fn megabytes(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok().and_then(|number| number.checked_mul(1_000_000));
     number.ok_or_else(|| "not a number of MB".to_owned())
@@ -200,6 +225,8 @@ pub(crate) struct TwoMeshes {
     #[arg(long, value_name = "X,Y,Z,DEGREES", allow_hyphen_values = true)]
     #[arg(value_parser = rotation)]
     rotate: Option<[f64; 4]>,
+    #[command(flatten)]
+    pub(crate) near: Near,
 }
 
 impl TwoMeshes {
@@ -260,6 +287,8 @@ pub(crate) struct SelfCollision {
     #[arg(long)]
     pub(crate) skip_neighbours: bool,
     #[command(flatten)]
+    pub(crate) near: Near,
+    #[command(flatten)]
     pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
@@ -282,6 +311,8 @@ pub(crate) struct Scene {
     /// List only which bodies meet: a line for each two, with the number of their triangle pairs
     #[arg(long, conflicts_with_all = ["contacts", "source"])]
     pub(crate) bodies: bool,
+    #[command(flatten)]
+    pub(crate) near: Near,
     #[command(flatten)]
     pub(crate) reading: Reading,
     #[command(flatten)]

@@ -88,6 +88,8 @@ pub(crate) struct Found<'f> {
     pub(crate) files: Vec<FileRow>,
     pub(crate) origins: &'f [Origin<'f>],
     pub(crate) kind: Kind,
+    /// The distance that was asked for, if one was.
+    pub(crate) within: Option<f32>,
     pub(crate) hits: Box<dyn Iterator<Item = Hit> + 'f>,
 }
 
@@ -191,7 +193,7 @@ impl<'f> Found<'f> {
             return self.print_bodies(format, listing, to);
         }
         let columns = self.columns(format, listing);
-        let Self { files, origins, kind, hits } = self;
+        let Self { files, origins, kind, within, hits } = self;
         let (is_scene, has_file) = (kind == Kind::Scene, kind == Kind::Files);
         let has_bodies = is_scene || listing.source && has_bodies(origins);
         let row = |Hit { origins: two, pair, contact }: Hit| {
@@ -211,7 +213,7 @@ impl<'f> Found<'f> {
             }
         };
         if format == Format::Json {
-            begin_json(to, &files)?;
+            begin_json(to, &files, within)?;
             write!(to, "\"{}\":", if listing.contacts { "contacts" } else { "pairs" })?;
             let mut count = 0;
             let hits = hits.inspect(|_| count += 1);
@@ -253,7 +255,7 @@ impl Found<'_> {
         let rows = pairs.iter().map(|(two, pairs)| (two.map(name), *pairs));
         if format == Format::Json {
             let rows = rows.map(|(bodies, pairs)| json!({ "bodies": bodies, "pairs": pairs }));
-            begin_json(to, &self.files)?;
+            begin_json(to, &self.files, self.within)?;
             write!(to, "\"bodies\":")?;
             json(&mut *to).collect_seq(rows)?;
             writeln!(to, ",\"count\":{}}}", pairs.len())?;
@@ -285,10 +287,16 @@ fn has_bodies(origins: &[Origin<'_>]) -> bool {
 }
 
 /// Writes the beginning of a JSON object, which the caller goes on with.
-fn begin_json(to: &mut impl Write, files: &[FileRow]) -> io::Result<()> {
+fn begin_json(to: &mut impl Write, files: &[FileRow], within: Option<f32>) -> io::Result<()> {
     write!(to, "{{\"version\":{VERSION},\"files\":")?;
     json(&mut *to).collect_seq(files)?;
-    write!(to, ",")
+    write!(to, ",")?;
+    if let Some(distance) = within {
+        write!(to, "\"within\":")?;
+        distance.serialize(&mut json(&mut *to))?;
+        write!(to, ",")?;
+    }
+    Ok(())
 }
 
 /// The positions of a mesh as it is posed, in f64 if that is so of its query.

@@ -16,6 +16,8 @@ mod output;
 mod outside;
 #[path = "command/scene.rs"]
 mod scene;
+#[path = "command/within.rs"]
+mod within;
 
 use std::fs;
 use std::path::Path;

@@ -25,6 +25,29 @@ impl Distance {
         }
     }
 
+    /// The least distance in f32 that is not less than one in f64, so that no pair is missed.
+    ///
+    /// # Errors
+    /// As [`Distance::new`], also if no f32 is as large.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront_core::Distance;
+    /// assert_eq!(Distance::at_least(0.5)?.get(), 0.5);
+    /// assert!(f64::from(Distance::at_least(0.02)?.get()) > 0.02);
+    /// assert!(Distance::at_least(-1e-300).is_err());
+    /// assert!(Distance::at_least(1e300).is_err());
+    /// # Ok::<(), pfront_core::DistanceError>(())
+    /// ```
+    pub fn at_least(distance: f64) -> Result<Self, DistanceError> {
+        let nearest = distance as f32;
+        if distance < 0.0 {
+            // Which may round to zero, and is refused nevertheless.
+            return Err(DistanceError { distance: nearest });
+        }
+        Self::new(if f64::from(nearest) < distance { nearest.next_up() } else { nearest })
+    }
+
     /// The distance, in the units of the query.
     #[must_use]
     pub fn get(self) -> f32 {

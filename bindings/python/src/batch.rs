@@ -5,7 +5,7 @@ use crate::ending::Inside;
 use crate::errors::exception;
 use crate::executor::Executor;
 use crate::threads::apart;
-use pfront::{AnyPose, Batch, Error, Model, Ticket};
+use pfront::{AnyPose, Batch, Distance, Error, Model, Ticket};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -19,6 +19,7 @@ pub(crate) struct PoseBatch<'py> {
     pub(crate) models: [Arc<Model>; 2],
     pub(crate) poses: Vec<AnyPose>,
     pub(crate) progress: Option<Bound<'py, PyAny>>,
+    pub(crate) within: Distance,
 }
 
 impl PoseBatch<'_> {
@@ -30,10 +31,11 @@ impl PoseBatch<'_> {
         verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
         mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
     ) -> PyResult<()> {
-        let Self { models: [a, b], poses, progress } = self;
+        let Self { models: [a, b], poses, progress, within } = self;
         let executor = on.for_batches(py)?;
         let own = process::id();
         let mut batch = Batch::new();
+        batch.within(within.get()).map_err(|error| exception(py, error, None))?;
         let mut done = 0;
         for chunk in poses.chunks(CHUNK) {
             let start = || {

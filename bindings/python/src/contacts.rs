@@ -12,7 +12,9 @@ use bytemuck::Pod;
 use pfront::pfront_core::bvtt::{AnyBvtt, Query};
 use pfront::threads::rayon::ThreadPool;
 use pfront::threads::rayon::prelude::*;
-use pfront::{AnyPose, Batch, Contact, Error, PairLists, PairQuery, SelfQuery, TrianglePair};
+use pfront::{
+    AnyPose, Batch, Contact, Distance, Error, PairLists, PairQuery, SelfQuery, TrianglePair,
+};
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -141,7 +143,8 @@ impl Met {
             if cancel.load(Relaxed) {
                 return Err(Error::Cancelled);
             }
-            let subject = Subject::Pair { models: self.models.clone(), a_from_b: self.poses[pose] };
+            let (models, a_from_b) = (self.models.clone(), self.poses[pose]);
+            let subject = Subject::Pair { models, a_from_b, within: Distance::default() };
             let (tree, mut found) = (subject.tree()?, Vec::new());
             reserve(&mut found, pairs.len())?;
             found.extend(pairs.iter().filter_map(|&pair| Some((pair, contact(&tree, pair)?))));
@@ -206,7 +209,9 @@ pub fn contacts(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Arrays, Option<Py<PyAny>>)> {
-    match Question::new(py, a, b, pose.as_ref(), progress)? {
+    // Pairs that are only near meet nowhere.
+    let within = Distance::default();
+    match Question::new(py, a, b, pose.as_ref(), progress, within)? {
         Question::One(subject) => {
             let found = subject.ask(py, on, |subject, executor| match subject.is_f64() {
                 true => answered!(subject, executor, contacts_f64, |contacts: Vec<_>| {

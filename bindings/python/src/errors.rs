@@ -2,7 +2,7 @@
 
 use pfront::{Error, MeshError, PoseError};
 use pfront_files::ReadError;
-use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::error::Error as _;
 use std::io;
@@ -44,6 +44,7 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         Error::Mesh(error) => (python::MeshError::new_err(text), of_mesh(&error)),
         Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),
         Error::Blob(_) => (python::BlobError::new_err(text), None),
+        Error::Distance(_) => (PyValueError::new_err(text), None),
         Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
         Error::Gpu(_) => (python::DeviceError::new_err(text), None),
         Error::Memory { .. } => (PyMemoryError::new_err(text), None),

@@ -52,7 +52,7 @@ mod _pfront {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::question::{all, any, count, first};
+    use crate::question::{all, any, count, distance, first};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

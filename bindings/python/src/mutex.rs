@@ -31,6 +31,12 @@ pub(crate) struct ProcessGuard<T> {
     of: Arc<ProcessMutex<T>>,
 }
 
+impl<T> From<T> for ProcessMutex<T> {
+    fn from(value: T) -> Self {
+        Self { holder: AtomicU32::new(0), value: Mutex::new(value) }
+    }
+}
+
 impl<T: Send> ProcessMutex<T> {
     /// Waits for the lock, while signals are heard.
     ///

@@ -11,8 +11,8 @@ use crate::part::{Part, PartQuery};
 use crate::poses::Poses;
 use crate::threads::apart;
 use pfront::pfront_core::bvtt::{AnyBvtt, SelfBvtt};
-use pfront::{AnyPose, Batch, Error, PairQuery, SelfQuery, TrianglePair};
-use pyo3::exceptions::PyTypeError;
+use pfront::{AnyPose, Batch, Distance, Error, PairQuery, SelfQuery, TrianglePair};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::sync::Arc;
@@ -21,24 +21,44 @@ use std::sync::atomic::AtomicBool;
 /// Triangles whose one-rings take longer to look at than signals may wait.
 const RINGS: usize = 1 << 19;
 
+/// How far apart triangles may be, 0 for those that intersect: the f32 that is not less than the number of Python, so that no
+/// pair is missed.
+#[derive(Clone, Copy)]
+pub(crate) struct Within(pub(crate) Distance);
+
+impl FromPyObject<'_, '_> for Within {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        let distance = Distance::at_least(given.extract()?);
+        distance.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}
+
+/// The distance that is asked for, as a number.
+#[pyfunction]
+pub fn distance(within: Within) -> f32 {
+    within.0.get()
+}
+
 /// The subject of a question.
 #[derive(Clone)]
 pub(crate) enum Subject {
-    Pair { models: [Arc<pfront::Model>; 2], a_from_b: AnyPose },
-    Within { model: Arc<pfront::Model> },
+    Pair { models: [Arc<pfront::Model>; 2], a_from_b: AnyPose, within: Distance },
+    Itself { model: Arc<pfront::Model>, within: Distance },
 }
 
 /// Asks a verb about a subject, and makes of its answer what is told.
 macro_rules! answered {
     ($subject:expr, $executor:expr, $verb:ident, $told:expr) => {
         match $subject {
-            Subject::Pair { models: [a, b], a_from_b } => {
-                let mut query = PairQuery::new().on($executor);
+            Subject::Pair { models: [a, b], a_from_b, within } => {
+                let mut query = PairQuery::new().within(within.get())?.on($executor);
                 let told = query.$verb(a, b, *a_from_b).and_then($told)?;
                 Ok((told, query.plan().cloned()))
             }
-            Subject::Itself { model } => {
-                let mut query = SelfQuery::new().on($executor);
+            Subject::Itself { model, within } => {
+                let mut query = SelfQuery::new().within(within.get())?.on($executor);
                 let told = query.$verb(model).and_then($told)?;
                 Ok((told, query.plan().cloned()))
             }
@@ -50,10 +70,10 @@ pub(crate) use answered;
 impl Subject {
     pub(crate) fn is_f64(&self) -> bool {
         match self {
-            Self::Pair { models, a_from_b } => {
+            Self::Pair { models, a_from_b, .. } => {
                 a_from_b.is_f64() || models.iter().any(|model| model.is_f64())
             }
-            Self::Within { model } => model.is_f64(),
+            Self::Itself { model, .. } => model.is_f64(),
         }
     }
 
@@ -65,7 +85,7 @@ impl Subject {
         question: impl Fn(&Self, &pfront::Executor) -> Answered<T> + Send + Sync + 'static,
     ) -> PyResult<T> {
         let triangles = |model: &pfront::Model| model.mesh().triangles().len();
-        let is_long = matches!(&self, Self::Within { model } if triangles(model) > RINGS);
+        let is_long = matches!(&self, Self::Itself { model, .. } if triangles(model) > RINGS);
         ask(py, on, &Arc::default(), is_long, move |executor| question(&self, executor))
     }
 
@@ -88,11 +108,11 @@ impl Subject {
     /// The BVTT.
     pub(crate) fn tree(&self) -> Result<AnyBvtt<'_>, Error> {
         Ok(match self {
-            Self::Pair { models: [a, b], a_from_b } => {
-                AnyBvtt::Pair(a_from_b.pair([a.bvh(), b.bvh()])?)
+            Self::Pair { models: [a, b], a_from_b, within } => {
+                AnyBvtt::Pair(a_from_b.pair([a.bvh(), b.bvh()])?.within(*within))
             }
-            Self::Within { model } => {
-                let tree = SelfBvtt::new(model.bvh());
+            Self::Itself { model, within } => {
+                let tree = SelfBvtt::new(model.bvh()).within(*within);
                 AnyBvtt::Itself(tree.with_certificates(model.certificates()))
             }
         })
@@ -112,17 +132,18 @@ impl<'py> Question<'py> {
         b: Option<&Model>,
         pose: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
+        within: Distance,
     ) -> PyResult<Self> {
         let Some(b) = b else {
             return match pose {
-                None => Ok(Self::One(Subject::Itself { model: a.0.clone() })),
+                None => Ok(Self::One(Subject::Itself { model: a.0.clone(), within })),
                 Some(_) => Err(PyTypeError::new_err("a mesh with itself takes no pose")),
             };
         };
         let models = [a.0.clone(), b.0.clone()];
         Ok(match Poses::new(py, pose)? {
-            Poses::One(a_from_b) => Self::One(Subject::Pair { models, a_from_b }),
-            Poses::Many(poses) => Self::Many(PoseBatch { models, poses, progress }),
+            Poses::One(a_from_b) => Self::One(Subject::Pair { models, a_from_b, within }),
+            Poses::Many(poses) => Self::Many(PoseBatch { models, poses, progress, within }),
         })
     }
 }
@@ -136,8 +157,9 @@ pub fn any(
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
+    within: Within,
 ) -> PyResult<Py<PyAny>> {
-    match Question::new(py, a, b, pose.as_ref(), progress)? {
+    match Question::new(py, a, b, pose.as_ref(), progress, within.0)? {
         Question::One(subject) => {
             let found = subject.ask(py, on, |subject, executor| {
                 answered!(subject, executor, any, |hit: Option<_>| Ok(hit.is_some()))
@@ -163,8 +185,9 @@ pub fn first(
     b: Option<&Model>,
     pose: Option<Bound<'_, PyAny>>,
     on: &Executor,
+    within: Within,
 ) -> PyResult<Option<(u32, u32)>> {
-    let Question::One(subject) = Question::new(py, a, b, pose.as_ref(), None)? else {
+    let Question::One(subject) = Question::new(py, a, b, pose.as_ref(), None, within.0)? else {
         return Err(errors::poses("one pair is found for one pose: ask in a loop".to_owned()));
     };
     subject.ask(py, on, |subject, executor| {
@@ -184,8 +207,9 @@ pub fn count(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
     part: Option<Part>,
+    within: Within,
 ) -> PyResult<Py<PyAny>> {
-    let count: u64 = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+    let count: u64 = match (Question::new(py, a, b, pose.as_ref(), progress, within.0)?, part) {
         (Question::One(subject), None) => {
             subject.ask(py, on, |subject, executor| answered!(subject, executor, count, Ok))?
         }
@@ -220,8 +244,9 @@ pub fn all(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
     part: Option<Part>,
+    within: Within,
 ) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
-    let pairs = match (Question::new(py, a, b, pose.as_ref(), progress)?, part) {
+    let pairs = match (Question::new(py, a, b, pose.as_ref(), progress, within.0)?, part) {
         (Question::One(subject), None) => subject
             .ask(py, on, |subject, executor| answered!(subject, executor, all, memory::copy))?,
         (Question::One(subject), Some(part)) => subject.ask_part(py, on, part, |query| {

@@ -9,11 +9,12 @@ use crate::memory;
 use crate::model::Model;
 use crate::mutex::{ProcessGuard, ProcessMutex};
 use crate::poses::Poses;
+use crate::question::Within;
 use crate::threads::apart;
 use crate::watchdog::BUDGET;
 use numpy::PyReadonlyArrayDyn;
 use pfront::{
-    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Error, Groups, SceneHit, SceneQuery,
+    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Distance, Error, Groups, SceneHit, SceneQuery,
     TrianglePair,
 };
 use pyo3::prelude::*;
@@ -74,9 +75,13 @@ pub struct Scene {
 
 #[pymethods]
 impl Scene {
+    /// A scene in which pairs are asked for that are at most so far apart.
     #[new]
-    fn new() -> Self {
-        Self { state: Arc::default(), cancel: Arc::default() }
+    fn new(py: Python<'_>, within: Within) -> PyResult<Self> {
+        let mut state = State::default();
+        state.query =
+            SceneQuery::new().within(within.0.get()).map_err(|error| exception(py, error, None))?;
+        Ok(Self { state: Arc::new(state.into()), cancel: Arc::default() })
     }
 
     /// Adds a body for each pose and returns their ids. There are as many user ids, or one for all. Each is asked about itself too,
@@ -192,7 +197,7 @@ impl Scene {
         let theirs = other.placed(py, None)?;
         let bounds = theirs.iter().map(|body| body.aabb).reduce(|x, y| x.union(&y));
         let own = self.placed(py, bounds)?;
-        let both = Self::new();
+        let both = Self::new(py, Within(Distance::default()))?;
         let state = both.state.lock(py)?;
         let add = |bodies: &[Placed], memberships, filter| {
             edit_each(py, &state, bodies.len(), true, |query, i| {

@@ -23,7 +23,8 @@ many = pf.contacts(a, a, poses)
 lengths = [len(found.segments) for found in many[1:]]
 unknown = pf.count(a, a, np.tile(pose, (3, 1, 1))).sum()  # whose shape no type tells
 counts: list[int] = [count for _, count in pf.sweep(a, a, poses, "count", chunk=2)]
-scene = pf.Scene.from_file("assembly.3mf")
+near: bool = pf.collides(a, a, pose, within=0.5)
+scene = pf.Scene.from_file("assembly.3mf", within=0.1)
 body: int = scene.add(a, pose, name="arm", itself=True)
 scene.set_poses(["arm"], poses[:1])
 table = scene.pairs()[:2].to_dict()["face_a"]
@@ -32,6 +33,8 @@ with pf.using(threads=2, device="auto"):
 """
 MISTAKES = {
     "the name of an option": "pf.collides(a, a, poze=pose)",
+    "a distance that is none": 'pf.count(a, a, within="near")',
+    "a distance of contacts": "pf.contacts(a, a, within=0.5)",
     "a verb": 'pf.sweep(a, a, poses, "contact")',
     "hits taken for contacts": "scene.pairs().segments",
     "pairs taken for contacts": "hits.normals",

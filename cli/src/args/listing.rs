@@ -12,13 +12,14 @@ pub(crate) struct Listing {
     /// Print comma-separated values, with a line of names
     #[arg(long)]
     csv: bool,
-    /// Also where they meet: a segment and the normals of both triangles, in the frame of the first mesh
+    /// Also where they meet: a segment and the normals of both triangles, in the frame of the first mesh; pairs that --within
+    /// finds apart are left out
     #[arg(long)]
     pub(crate) contacts: bool,
     /// Also the faces of the files, from 0, and the bodies of the files that the triangles come from
     #[arg(long)]
     pub(crate) source: bool,
-    /// Exit with code 1 if something intersects
+    /// Exit with code 1 if something intersects, or is within the distance of --within
     #[arg(long)]
     pub(crate) fail: bool,
     /// Write into a file: .json and .csv as by these options, .ply the meshes with the triangles that meet in red,

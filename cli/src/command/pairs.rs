@@ -10,7 +10,7 @@ use pfront_cli::executor::ExecutorArgs;
 
 pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs) -> Result<bool> {
     let contacts = listing.needs_contacts()?;
-    let mut query = PairQuery::new().on(&executor.open()?);
+    let mut query = PairQuery::new().within(meshes.near.distance())?.on(&executor.open()?);
     let [(a, source_a), (b, source_b)] = two(meshes, listing.file())?;
     let a_from_b = meshes.a_from_b();
     let pairs = shown("asking which triangles meet".to_owned(), || query.all(&a, &b, a_from_b))?;
@@ -22,6 +22,7 @@ pub(crate) fn run(meshes: &TwoMeshes, listing: &Listing, executor: &ExecutorArgs
         files: vec![FileRow::new(&meshes.a, [&a]), FileRow::new(&meshes.b, [&b])],
         origins: &origins,
         kind: Kind::Pairs,
+        within: meshes.near.within,
         hits: hits(pairs, [0, 1], contacts, is_f64, &bvtt),
     };
     let is_clear = !listing.fail || pairs.is_empty();

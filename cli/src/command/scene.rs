@@ -23,14 +23,14 @@ struct Part {
 }
 
 pub(crate) fn run(asked: &Scene) -> Result<bool> {
-    let Scene { meshes, ignore, ignore_file, bodies, reading, listing, executor } = asked;
+    let Scene { meshes, ignore, ignore_file, bodies, near, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
     if *bodies {
         let format = listing.format()?;
         ensure!(!format.is_drawn(), "--bodies is text: leave it out, or write .json or .csv");
     }
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
-    let mut scene = SceneQuery::new().on(&executor.open()?);
+    let mut scene = SceneQuery::new().within(near.distance())?.on(&executor.open()?);
     let (mut parts, mut sources) = (Vec::new(), Vec::new());
     // Bodies that are near each other stay apart.
     let (of_files, distance) = reading.bodies_apart();
@@ -127,6 +127,7 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         files: rows,
         origins: &origins,
         kind: if *bodies { Kind::Bodies } else { Kind::Scene },
+        within: near.within,
         hits: match contacts {
             true => Box::new(with_contacts.iter().map(|(of, contact)| hit(of, Some(*contact)))),
             false => Box::new(scene.hits().iter().map(|of| hit(of, None))),

@@ -11,14 +11,14 @@ use pfront_files::escape::shown_path;
 use std::path::PathBuf;
 
 pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
-    let SelfCollision { meshes, skip_neighbours, reading, listing, executor } = asked;
+    let SelfCollision { meshes, skip_neighbours, near, reading, listing, executor } = asked;
     let contacts = listing.needs_contacts()?;
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
     let adjacency = match skip_neighbours {
         true => Adjacency::SkipNeighbours,
         false => Adjacency::SharedIndexRule,
     };
-    let query = SelfQuery::new().with_adjacency(adjacency);
+    let query = SelfQuery::new().with_adjacency(adjacency).within(near.distance())?;
     let mut query = query.on(&executor.open()?);
     let mut read = Vec::new();
     for path in meshes {
@@ -52,6 +52,7 @@ pub(crate) fn run(asked: &SelfCollision) -> Result<bool> {
             .collect(),
         origins: &origins,
         kind: if meshes.len() > 1 { Kind::Files } else { Kind::Pairs },
+        within: near.within,
         hits: Box::new(of_files.flatten()),
     };
     let is_clear = !listing.fail || read.iter().all(|(.., pairs)| pairs.is_empty());

@@ -1,7 +1,7 @@
 """Every intersecting triangle pair of two meshes, or within one: exact, sorted, fast.
 
 Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide. A question is about one instant, not
-about a motion. Touching counts, and there is no tolerance.
+about a motion. Touching counts, and there is no tolerance, unless `within` asks for pairs at most so far apart.
 
     Meshes
       Mesh                                                  a triangle mesh of arrays, of a file, or of trimesh, pyvista, Open3D, meshio

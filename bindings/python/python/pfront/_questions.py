@@ -200,12 +200,14 @@ def _two(a: MeshLike, b: MeshLike | None) -> tuple[_pfront.Model, _pfront.Model 
 
 
 @overload
-def collides(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+def collides(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None, within: float = 0.0) -> Any: ...
 @overload
-def collides(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> bool: ...
+def collides(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None, within: float = 0.0
+) -> bool: ...
 @overload
-def collides(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> _Bools: ...
-def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+def collides(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None, within: float = 0.0) -> _Bools: ...
+def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None, within: float = 0.0) -> Any:
     """Whether the surfaces of two meshes meet, or that of one meets itself. Touching counts; there is no tolerance.
 
     Parameters
@@ -217,6 +219,14 @@ def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progr
         One of float32 is applied in float32; one of float64 makes the question float64, as NumPy would.
     progress : callable, optional
         Called as ``progress(done, total)`` while many poses are answered.
+    within : float
+        Ask for pairs of triangles at most so far apart in place of those that intersect, exactly; rounded up to float32, so that no
+        pair is missed. What two faces of one mesh share by index is decided as without. CPUs answer.
+
+    Raises
+    ------
+    ValueError
+        If `within` is NaN, infinite or negative.
 
     Returns
     -------
@@ -239,16 +249,18 @@ def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progr
     >>> pose[0, 3] = np.nextafter(np.float32(1), np.float32(2))
     >>> pf.collides(box, box, pose)
     False
+    >>> pf.collides(box, box, pose, within=1e-6)
+    True
     """
-    return _pfront.any(*_two(a, b), pose, current(), progress)
+    return _pfront.any(*_two(a, b), pose, current(), progress, within)
 
 
-def first(a: MeshLike, b: MeshLike | None = None, pose: OnePose | HasMatrix = None) -> tuple[int, int] | None:
+def first(a: MeshLike, b: MeshLike | None = None, pose: OnePose | HasMatrix = None, *, within: float = 0.0) -> tuple[int, int] | None:
     """Find one pair of triangles that meet, or None: the pair that is found first, which may differ between executors.
 
     Parameters
     ----------
-    a, b, pose
+    a, b, pose, within
         As for `collides`; one pose.
 
     Returns
@@ -264,21 +276,23 @@ def first(a: MeshLike, b: MeshLike | None = None, pose: OnePose | HasMatrix = No
     >>> pf.first(floor, blade), pf.first(floor)
     ((0, 0), None)
     """
-    return _pfront.first(*_two(a, b), pose, current())
+    return _pfront.first(*_two(a, b), pose, current(), within)
 
 
 @overload
-def count(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+def count(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None, within: float = 0.0) -> Any: ...
 @overload
-def count(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> int: ...
+def count(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None, within: float = 0.0
+) -> int: ...
 @overload
-def count(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> _Counts: ...
-def count(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+def count(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None, within: float = 0.0) -> _Counts: ...
+def count(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None, within: float = 0.0) -> Any:
     """Count the pairs of triangles that meet.
 
     Parameters
     ----------
-    a, b, pose, progress
+    a, b, pose, progress, within
         As for `collides`.
 
     Returns
@@ -294,24 +308,28 @@ def count(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress
     >>> poses[:, 0, 3] = 0.5, 1, 1.5
     >>> pf.count(box, box, poses) > 0
     array([ True,  True, False])
+    >>> pf.count(box, box, poses, within=0.5) > 0
+    array([ True,  True,  True])
     """
-    return _pfront.count(*_two(a, b), pose, current(), progress, None)
+    return _pfront.count(*_two(a, b), pose, current(), progress, None, within)
 
 
 @overload
-def pairs(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None) -> Any: ...
+def pairs(a: MeshLike, b: MeshLike, pose: SomePoses, *, progress: Progress | None = None, within: float = 0.0) -> Any: ...
 @overload
-def pairs(a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None) -> _Pairs: ...
+def pairs(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, progress: Progress | None = None, within: float = 0.0
+) -> _Pairs: ...
 @overload
-def pairs(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None) -> Ragged[_Pairs]: ...
-def pairs(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None) -> Any:
+def pairs(a: MeshLike, b: MeshLike, pose: Poses, *, progress: Progress | None = None, within: float = 0.0) -> Ragged[_Pairs]: ...
+def pairs(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress: Progress | None = None, within: float = 0.0) -> Any:
     """List the pairs of triangles that meet, sorted.
 
     Within one mesh each pair is listed once, the smaller face first, and what two faces share by vertex index is no contact.
 
     Parameters
     ----------
-    a, b, pose, progress
+    a, b, pose, progress, within
         As for `collides`.
 
     Warns
@@ -331,9 +349,14 @@ def pairs(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progress
     >>> blade = pf.Mesh([[0, 0, -1], [0, 1, -1], [0, 0, 1]], [[0, 1, 2]])
     >>> pf.pairs(floor, blade)
     array([[0, 0]], dtype=uint32)
+    >>> import numpy as np
+    >>> pose = np.eye(4)
+    >>> pose[2, 3] = 1.25  # a quarter above the floor
+    >>> len(pf.pairs(floor, blade, pose)), len(pf.pairs(floor, blade, pose, within=0.25))
+    (0, 1)
     """
     two = _two(a, b)
-    found, offsets = _pfront.all(*two, pose, current(), progress, None)
+    found, offsets = _pfront.all(*two, pose, current(), progress, None, within)
     if b is None and len(found):
         _warn_if_split(a if isinstance(a, Mesh) else Mesh(two[0]), found)
     return found if offsets is None else Ragged(found, offsets)
@@ -399,14 +422,14 @@ class Part:
         if not (0 <= self.i < self.n <= 65536):
             raise ValueError(f"part {self.i} of {self.n} is not 0 ≤ i < n ≤ 65536")
 
-    def pairs(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None) -> _Pairs:
+    def pairs(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, within: float = 0.0) -> _Pairs:
         """List the pairs of this part, sorted; the parts together list each pair of `pfront.pairs` once."""
-        found: _Pairs = _pfront.all(*_two(a, b), pose, current(), None, (self.i, self.n))[0]
+        found: _Pairs = _pfront.all(*_two(a, b), pose, current(), None, (self.i, self.n), within)[0]
         return found
 
-    def count(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None) -> int:
+    def count(self, a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, within: float = 0.0) -> int:
         """Count the pairs of this part."""
-        found: int = _pfront.count(*_two(a, b), pose, current(), None, (self.i, self.n))
+        found: int = _pfront.count(*_two(a, b), pose, current(), None, (self.i, self.n), within)
         return found
 
 
@@ -447,25 +470,26 @@ class _Sent:
         return self._reduced[is_out_of_band]
 
 
-def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any]) -> Any:
+def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any], within: float = 0.0) -> Any:
     """One chunk of a sweep, as another process answers it, or a thread of this one."""
-    return _WHAT[what](*(mesh.mesh if isinstance(mesh, _Sent) else mesh for mesh in (a, b)), poses)
+    options = {} if what == "contacts" else {"within": within}
+    return _WHAT[what](*(mesh.mesh if isinstance(mesh, _Sent) else mesh for mesh in (a, b)), poses, **options)
 
 
 @overload
 def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["collides"] = "collides", *, progress: Progress | None = None,
-    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0,
 ) -> Iterator[tuple[int, bool]]: ...  # fmt: skip
 @overload
 def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["count"], *, progress: Progress | None = None,
-    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0,
 ) -> Iterator[tuple[int, int]]: ...  # fmt: skip
 @overload
 def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["pairs"], *, progress: Progress | None = None,
-    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0,
 ) -> Iterator[tuple[int, _Pairs]]: ...  # fmt: skip
 @overload
 def sweep(
@@ -474,7 +498,7 @@ def sweep(
 ) -> Iterator[tuple[int, Contacts]]: ...  # fmt: skip
 def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: str = "collides", *, progress: Progress | None = None,
-    executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0,
 ) -> Iterator[tuple[int, Any]]:  # fmt: skip
     """Ask about many poses, and yield each index with its answer, in order, while later ones are on their way.
 
@@ -497,6 +521,8 @@ def sweep(
         Poses in one task. From some 10,000 on other processes pay.
     window : int
         The most tasks in flight.
+    within : float
+        As for `collides`; contacts are of pairs that intersect, and take none.
 
     Examples
     --------
@@ -515,12 +541,15 @@ def sweep(
     chunk, window = integer(chunk, "chunk"), integer(window, "window")
     if chunk < 1 or window < 1:
         raise ValueError("chunk and window are at least 1")
+    if what == "contacts" and within != 0:
+        raise ValueError("contacts are of pairs that intersect: leave out within")
+    within = _pfront.distance(within)
     first = a if isinstance(a, Mesh) else Mesh(a)
     second = b if isinstance(b, Mesh) else Mesh(b)
     array = matrix(poses)
     if array.ndim != 3:
         raise PoseError(f"poses of shape {array.shape} are not (k, 4, 4)")
-    return _swept(first, second, array.copy(), what, progress, executor, chunk, window)
+    return _swept(first, second, array.copy(), what, progress, executor, chunk, window, within)
 
 
 def _swept(
@@ -532,13 +561,14 @@ def _swept(
     executor: Submits | None,
     chunk: int,
     window: int,
+    within: float,
 ) -> Iterator[tuple[int, Any]]:
     starts = range(0, len(poses), chunk)
     flying: dict[int, Any] = {}
     sent = [_Sent(a), _Sent(b)]
 
     def launch(executor: Submits, start: int) -> None:
-        flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk])
+        flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk], within)
 
     try:
         ahead = iter(starts)
@@ -547,7 +577,7 @@ def _swept(
                 launch(executor, start)
         for start in starts:
             try:
-                answers = _task(what, a, b, poses[start : start + chunk]) if executor is None else flying.pop(start).result()
+                answers = _task(what, a, b, poses[start : start + chunk], within) if executor is None else flying.pop(start).result()
             except PoseError as error:
                 # The pose is one of its chunk there.
                 error.args = (str(error).replace(f"pose {error.pose}", f"pose {start + (error.pose or 0)}", 1),)

@@ -85,6 +85,12 @@ class Scene:
     `pairs` or `contacts` is not asked again. Wherever a method takes the id of a body it takes its name too, if that is a str and no
     other body has it.
 
+    Parameters
+    ----------
+    within : float
+        All questions are about pairs at most so far apart in the world, in place of those that intersect, as for `collides`;
+        contacts are those of pairs that intersect.
+
     Examples
     --------
     >>> import numpy as np, pfront as pf
@@ -98,18 +104,23 @@ class Scene:
     >>> scene.ignore("table", "cup")
     >>> scene.collides()
     False
+    >>> near = pf.Scene(within=0.25)
+    >>> pose[2, 3] = 1.25
+    >>> _ = near.add(box), near.add(box, pose)
+    >>> near.collides(), len(near.contacts())
+    (True, 0)
     """
 
     __slots__ = ("_scene", "_names", "_named")
 
-    def __init__(self) -> None:
-        self._scene = _pfront.Scene()
+    def __init__(self, *, within: float = 0.0) -> None:
+        self._scene = _pfront.Scene(within)
         self._names: dict[int, Hashable] = {}
         # The ids of the bodies of each name that is a str, which may stand for them.
         self._named: dict[str, set[int]] = {}
 
     @classmethod
-    def from_file(cls, path: Path) -> Scene:
+    def from_file(cls, path: Path, *, within: float = 0.0) -> Scene:
         """Make a scene of the bodies of a file, by their names, where its coordinates put them: see `bodies`.
 
         Examples
@@ -121,13 +132,13 @@ class Scene:
         >>> scene.names(scene.intersecting_bodies())
         [['lid', 'box']]
         """
-        scene = cls()
+        scene = cls(within=within) if within else cls()
         for name, mesh in bodies(path).items():
             scene.add(mesh, name=name)
         return scene
 
     @classmethod
-    def from_trimesh(cls, source: Any) -> Scene:
+    def from_trimesh(cls, source: Any, *, within: float = 0.0) -> Scene:
         """Make a scene of the nodes of a ``trimesh.Scene``, by their names, in their poses; nodes of one geometry share its BVH.
 
         What is no mesh, such as a path or a cloud of points, is left out, with a warning.
@@ -143,7 +154,7 @@ class Scene:
         >>> scene.names(scene.intersecting_bodies())
         [['left', 'right']]
         """
-        scene = cls()
+        scene = cls(within=within) if within else cls()
         meshes = {name: Mesh(found) for name, found in source.geometry.items() if hasattr(found, "faces")}
         for node in source.graph.nodes_geometry:
             pose, name = source.graph[node]

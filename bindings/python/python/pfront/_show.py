@@ -83,17 +83,17 @@ class Accessor:
             self._known = (time, Mesh(self._polydata))
         return self._known[1]
 
-    def collides(self, other: Any = None, pose: Pose = None) -> Any:
+    def collides(self, other: Any = None, pose: Pose = None, *, within: float = 0.0) -> Any:
         """As `pfront.collides`."""
-        return _questions.collides(self.mesh, other, pose)
+        return _questions.collides(self.mesh, other, pose, within=within)
 
-    def count(self, other: Any = None, pose: Pose = None) -> Any:
+    def count(self, other: Any = None, pose: Pose = None, *, within: float = 0.0) -> Any:
         """As `pfront.count`."""
-        return _questions.count(self.mesh, other, pose)
+        return _questions.count(self.mesh, other, pose, within=within)
 
-    def pairs(self, other: Any = None, pose: Pose = None) -> Any:
+    def pairs(self, other: Any = None, pose: Pose = None, *, within: float = 0.0) -> Any:
         """As `pfront.pairs`."""
-        return _questions.pairs(self.mesh, other, pose)
+        return _questions.pairs(self.mesh, other, pose, within=within)
 
     def contacts(self, other: Any = None, pose: Pose = None) -> Any:
         """As `pfront.contacts`."""
