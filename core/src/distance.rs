@@ -13,7 +13,7 @@
 pub struct Distance(f32);
 
 impl Distance {
-    /// Checks a distance. A distance in f64 is rounded up, so that no pair is missed.
+    /// Checks a distance. [`Distance::at_least`] takes one in f64.
     ///
     /// # Errors
     /// [`DistanceError`] if it is NaN, infinite or negative.
@@ -42,7 +42,7 @@ impl Distance {
     pub fn at_least(distance: f64) -> Result<Self, DistanceError> {
         let nearest = distance as f32;
         if distance < 0.0 {
-            // Which may round to zero, and is refused nevertheless.
+            // It may round to zero, and is refused nevertheless.
             return Err(DistanceError { distance: nearest });
         }
         Self::new(if f64::from(nearest) < distance { nearest.next_up() } else { nearest })

@@ -72,7 +72,7 @@ fn every_question_takes_a_distance() {
     assert_eq!(out(at, "self both.obj --csv"), "a,b\n");
     assert_eq!(out(at, "self both.obj --csv --within 0.02"), "a,b\n0,1\n");
     assert_eq!(json(at, "self both.obj --json --within 0.25")["within"], 0.25);
-    // What shares a vertex is decided as before.
+    // Triangles that share a vertex are decided as before.
     assert_eq!(out(at, "self a.obj --csv --within 5"), "a,b\n");
     assert_eq!(out(at, "scene both.obj --csv"), "body_a,body_b,a,b\n");
     assert_eq!(out(at, "scene both.obj --csv --within 0.02"), "body_a,body_b,a,b\nlow,high,0,0\n");
