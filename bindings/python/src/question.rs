@@ -199,6 +199,7 @@ pub fn first(
 
 /// The number of pairs that meet; of a part, if one is given.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "those of Python")]
 pub fn count(
     py: Python<'_>,
     a: &Model,
@@ -236,6 +237,7 @@ pub fn count(
 
 /// All pairs that meet, sorted; of a part, if one is given. For many poses also where those of each begin and end.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "those of Python")]
 pub fn all(
     py: Python<'_>,
     a: &Model,

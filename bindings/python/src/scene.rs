@@ -65,6 +65,9 @@ impl Drop for State {
     }
 }
 
+/// What Python is told of a body: its id, its model, and the rows of its pose.
+type Told = (u64, Model, [[f64; 4]; 3]);
+
 /// Bodies in poses. One thread at a time uses it; others wait.
 #[pyclass(frozen, module = "pfront._pfront")]
 pub struct Scene {
@@ -185,7 +188,7 @@ impl Scene {
     }
 
     /// Each body that has triangles: its id, its model, and the rows of its pose.
-    fn bodies(&self, py: Python<'_>) -> PyResult<Vec<(u64, Model, [[f64; 4]; 3])>> {
+    fn bodies(&self, py: Python<'_>) -> PyResult<Vec<Told>> {
         let told = |body: Placed| (body.id.to_bits(), Model(body.model), body.pose.to_f64().rows);
         Ok(self.placed(py, None)?.into_iter().map(told).collect())
     }
