@@ -20,6 +20,11 @@ fn executors() -> Vec<Executor> {
     let mut all = vec![Executor::sequential()];
     #[cfg(feature = "threads")]
     all.push(Executor::threads(3));
+    #[cfg(feature = "gpu")]
+    {
+        let gpu = pfront::gpu::Gpu::new().unwrap();
+        all.push(Executor::gpu(&gpu, gpu.settings()));
+    }
     all
 }
 
@@ -93,7 +98,8 @@ fn scenes_on_every_executor() {
     let shapes = [model(sphere(4)), model(bumpy(4)), model(tangle(20, 20, 1, &mut rng))];
     for executor in executors() {
         for distance in DISTANCES {
-            let mut scene = SceneQuery::new().within(distance).unwrap().on(&executor);
+            let mut scene = SceneQuery::new().on(&executor);
+            scene.within(distance).unwrap();
             let mut place = || Pose::new(pose_rows(4.0, &mut rng));
             let mut bodies = Vec::new();
             for k in 0..BODIES {
@@ -135,7 +141,10 @@ fn what_is_no_distance_is_refused() {
     for distance in [-0.5, f32::NAN, f32::INFINITY] {
         assert!(matches!(PairQuery::new().within(distance), Err(Error::Distance(_))));
         assert!(matches!(SelfQuery::new().within(distance), Err(Error::Distance(_))));
-        assert!(matches!(SceneQuery::new().within(distance), Err(Error::Distance(_))));
+        let mut scene = SceneQuery::new();
+        let body = scene.add(model(sphere(2)), Pose::IDENTITY).unwrap();
+        assert!(matches!(scene.within(distance), Err(Error::Distance(_))));
+        assert!(scene.body(body).is_ok());
         assert!(matches!(Batch::new().within(distance), Err(Error::Distance(_))));
     }
 }

@@ -25,7 +25,6 @@ use crate::status::pfront_status_t;
 use crate::status::{Fault, pfront_error_t};
 pub use bodies::*;
 use core::ffi::c_void;
-use core::mem::take;
 use core::ptr::null;
 pub use hits::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
@@ -107,10 +106,7 @@ pub unsafe extern "C" fn pfront_scene_within(
     unsafe { Caller::trusted() }.call(error, |call| {
         let scene = call.owned(c"scene", scene)?;
         scene.own.check(c"scene")?;
-        // A distance that is refused leaves the scene as it is.
-        SceneQuery::new().within(distance)?;
-        scene.query = take(&mut scene.query).within(distance)?;
-        Ok(())
+        Ok(scene.query.within(distance)?)
     })
 }
 

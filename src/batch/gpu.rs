@@ -49,17 +49,17 @@ enum Part {
     /// Pairs of models in f32.
     Pairs(Vec<usize>),
     One(usize),
-    /// A model in f64 with itself, on the CPU.
+    /// A question that no GPU answers, on the CPU.
     OnCpu(usize),
 }
 
 fn parts(job: &Job) -> Vec<Part> {
     let (mut pairs, mut others) = (Vec::new(), Vec::new());
     for (number, question) in job.questions.iter().enumerate() {
-        if question.pair_in_f32().is_some() {
-            pairs.push(number);
-        } else if question.is_for_cpu() {
+        if question.is_for_cpu() {
             others.push(Part::OnCpu(number));
+        } else if question.pair_in_f32().is_some() {
+            pairs.push(number);
         } else {
             others.push(Part::One(number));
         }

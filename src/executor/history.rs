@@ -24,7 +24,7 @@ pub(crate) trait Frame {
         verb: Verb,
     ) -> (Backend, Result<Answer<Self::Hit>, Error>);
 
-    /// Whether only a CPU answers, since a model or a pose is in f64.
+    /// Whether only a CPU answers.
     fn is_for_cpu(&self) -> bool;
 
     /// The numbers of the meshes that it is about.

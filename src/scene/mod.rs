@@ -129,7 +129,7 @@ impl SceneQuery {
         self
     }
 
-    /// Asks for pairs of bodies at most `distance` apart in the world, as [`PairQuery::within`](crate::PairQuery::within) says;
+    /// Asks from now on for pairs of bodies at most `distance` apart in the world, as [`PairQuery::within`](crate::PairQuery::within) says;
     /// bodies that are asked about themselves, too, in their own frames. The list of hits is empty until the next question.
     ///
     /// # Errors
@@ -140,18 +140,19 @@ impl SceneQuery {
     /// use pfront::{Model, Pose, SceneQuery};
     /// use std::sync::Arc;
     /// let part = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
-    /// let (part, mut scene) = (Arc::new(part), SceneQuery::new().within(0.02)?);
+    /// let (part, mut scene) = (Arc::new(part), SceneQuery::new());
+    /// scene.within(0.02)?;
     /// scene.add(part.clone(), Pose::IDENTITY)?;
     /// scene.add(part.clone(), Pose::from_translation([0.0, 0.0, 0.02]))?;
     /// scene.add(part, Pose::from_translation([0.0, 0.0, 0.05]))?;
     /// assert_eq!(scene.all()?.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn within(mut self, distance: f32) -> Result<Self, Error> {
+    pub fn within(&mut self, distance: f32) -> Result<(), Error> {
         self.bodies.within = Distance::new(distance)?;
         (self.broad, self.device) = Default::default();
         (self.hits, self.contacts) = Default::default();
-        Ok(self)
+        Ok(())
     }
 
     /// Counts and times of the last frame on threads in which something had changed; see [`Report`](crate::threads::Report).

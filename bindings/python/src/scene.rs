@@ -65,7 +65,7 @@ impl Drop for State {
     }
 }
 
-/// What Python is told of a body: its id, its model, and the rows of its pose.
+/// A body as Python is told of it: its id, its model, and the rows of its pose.
 type Told = (u64, Model, [[f64; 4]; 3]);
 
 /// Bodies in poses. One thread at a time uses it; others wait.
@@ -82,8 +82,7 @@ impl Scene {
     #[new]
     fn new(py: Python<'_>, within: Within) -> PyResult<Self> {
         let mut state = State::default();
-        state.query =
-            SceneQuery::new().within(within.0.get()).map_err(|error| exception(py, error, None))?;
+        state.query.within(within.0.get()).map_err(|error| exception(py, error, None))?;
         Ok(Self { state: Arc::new(state.into()), cancel: Arc::default() })
     }
 

@@ -30,7 +30,8 @@ pub(crate) fn run(asked: &Scene) -> Result<bool> {
         ensure!(!format.is_drawn(), "--bodies is text: leave it out, or write .json or .csv");
     }
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), listing.file())?;
-    let mut scene = SceneQuery::new().within(near.distance())?.on(&executor.open()?);
+    let mut scene = SceneQuery::new().on(&executor.open()?);
+    scene.within(near.distance())?;
     let (mut parts, mut sources) = (Vec::new(), Vec::new());
     // Bodies that are near each other stay apart.
     let (of_files, distance) = reading.bodies_apart();

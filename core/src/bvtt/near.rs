@@ -13,10 +13,10 @@ use crate::{Aabb, Mesh};
 use glam::Vec3A;
 
 impl TriangleBlock {
-    /// The `allowed` pairs with the triangles of `other`, as [`TriangleBlock::cull`] has them for those that intersect: with hits
-    /// that are certainly at most `distance` apart. Triangles of one `mesh` that share a vertex are left open, as others are
-    /// only if f32 does not decide them; with `boxes_only`, all are whose boxes are so near on each axis. If corners are shadows of others in f64, differences of coordinates may be off by
-    /// `error`.
+    /// The `allowed` pairs with the triangles of `other` that are at most `distance` apart, as [`TriangleBlock::cull`] has those
+    /// that intersect: hits as far as f32 certifies them, and open pairs. Triangles of one `mesh` that share a vertex stay open.
+    /// With `boxes_only` all pairs are open whose boxes are at most `distance` apart on each axis. If corners are shadows of others
+    /// in f64, differences of coordinates may be off by `error`.
     #[inline(always)]
     pub(super) fn near<S: Simd, const SELF: bool>(
         &self,
@@ -66,7 +66,8 @@ impl TriangleBlock {
         let reach = Reach {
             scale: S::splat(scale),
             distance: S::splat(distance * scale),
-            error: S::splat((error.length() * scale).next_up()),
+            // No shorter than its length, and without squares, which underflow.
+            error: S::splat(error.max_element() * scale * 1.733),
         };
         while left != 0 {
             let mut group = Group::new();

@@ -3,7 +3,7 @@
 //! First near points x and y of both triangles are found, by any means; then they have to prove it:
 //!
 //! - *within*: |x − y| and its error are at most the distance;
-//! - *beyond*: along n = y − x, the second triangle begins farther behind the first than the distance and the error.
+//! - *beyond*: along y − x, the second triangle begins farther behind the first than the distance and the error.
 //!
 //! Bad divisions, NaN and a pair of features that is not the nearest cost a decision so, and never make a wrong one. Open pairs
 //! go to [`crate::triangle`].
@@ -13,11 +13,11 @@
 //! most; let R be the largest of the pair, and 2^-20 at least, and u = 2^-24.
 //!
 //! The points are x = p + s g (+ t h) with s and t from 0 to 1 and s + t at most 1 + u, whatever their errors. A coordinate
-//! relative to the corner is off by u R, an edge by 4 u R, a product and a sum by 3 u R more a term, and t by the excess of
-//! u: a coordinate of x − y by less than 20 u R, and |x − y| by less than 35 u R. A height n·b − n·a is off by less than
+//! relative to the corner is off by u R, an edge by 4 u R, a product and a sum by 3 u R more a term, and s + t may exceed 1
+//! by u: a coordinate of x − y by less than 20 u R, and |x − y| by less than 35 u R. A height n·b − n·a is off by less than
 //! 7 u |n| R, and the difference of two by 18 u |n| R. The margins, 72 u R, leave room. Squares are compared, since that takes no
 //! roots, with a relative margin of 16 u and 32 u, more than their roundings. Nothing underflows to matter: |n| must be at least
-//! 2^-20, and the smallest bound that is squared is 72 u 2^-20, above 2^-38.
+//! 2^-20, and the bound that it is compared with 72 u 2^-20, above 2^-38.
 //!
 //! If corners are shadows of others in f64, the difference of two is off by an error e more on each axis, and both the distance of
 //! feasible points and the heights over |n| by at most |e|.

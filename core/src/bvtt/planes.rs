@@ -82,10 +82,10 @@ impl<S: Simd> Planes<S> {
     /// Lanes in which all corners of `other`, whose `heights` these are, are certainly on one side of this plane and farther away
     /// from it than a distance.
     ///
-    /// The true heights are as far from these as their bound says. The true normal is no longer than the one computed, and 8 u of
-    /// the products of extents more, beside what underflows, which is less than the smallest normal number. Its length is bounded
-    /// without a root: for x ≥ y ≥ z ≥ 0, it is at most x + (√2 − 1) y + (√3 − √2) z, since it is convex, and equal at the corners
-    /// of that cone.
+    /// The true heights are as far from these as their bound says. The true normal is at most as long as the one computed, plus
+    /// 8 u (e f + f g + g e) for the extents e, f and g of the edges, plus the smallest normal number for what underflows. Its length
+    /// is bounded without a root: for x ≥ y ≥ z ≥ 0, it is at most x + (√2 − 1) y + (√3 − √2) z, since it is convex, and equal
+    /// at the corners of that cone.
     #[inline(always)]
     pub(super) fn is_farther(&self, heights: &Heights<S>, distance: S) -> u32 {
         let ([x, y, z], [d, e, f]) = (abs(self.normal), self.extent);

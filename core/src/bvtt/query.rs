@@ -47,7 +47,8 @@ pub trait Query: Estimated {
     ///
     /// # Complexity
     /// Up to 16 box tests per step of two levels of the BVTT and one triangle test per pair of overlapping
-    /// triangle boxes; no allocation, no recursion, below 29 KiB of stack, or 46 KiB in f64.
+    /// triangle boxes; no allocation, no recursion, below 29 KiB of stack, or 46 KiB in f64;
+    /// within a distance 48 KiB, or 56 KiB in f64.
     fn visit(
         &self,
         cursor: &mut Cursor,

@@ -99,7 +99,39 @@ impl<'a> PairBvtt<'a> {
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
     pub fn in_world(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
-        let mut query = Self::of_sides(a, b);
+        Self::within_in_world(a, b, 0.0)
+    }
+
+    /// Asks for all pairs at most `distance` apart in the frame of the query, in place of those that intersect: exactly, and 0 asks
+    /// for those again.
+    ///
+    /// The boxes of the second mesh are compared grown by the distance. Triangle pairs are decided eight at a time where f32
+    /// certifies them, and by integers else.
+    ///
+    /// # Complexity
+    /// As without, with as many more pairs as there are boxes that overlap when they are grown.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.25]))?;
+    /// assert_eq!(query.within(Distance::new(0.25)?).count(), 1);
+    /// assert_eq!(query.within(Distance::new(0.2)?).count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "within")]
+    #[must_use]
+    pub fn within(self, distance: Distance) -> Self {
+        let is_asked = self.distance == distance.get();
+        if is_asked { self } else { Self::within_in_world(self.a, self.b, distance.get()) }
+    }
+
+    fn within_in_world(a: PosedBvh<'a>, b: PosedBvh<'a>, distance: f32) -> Self {
+        let mut query = Self { distance, ..Self::of_sides(a, b) };
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (root_a.bounds(), root_b.bounds());
         if a.is_f64() || b.is_f64() {
@@ -108,10 +140,18 @@ impl<'a> PairBvtt<'a> {
             // Boxes need all of the paddings, corners no more than 13/16 of each.
             query.error = Some(poses[0].padding().max(poses[1].padding()) * 1.75);
         }
-        into_frame_of_first(&mut query.box_poses, &of_b);
+        // Distances are those of the frame of the query, so boxes are compared there.
+        match query.distance() {
+            None => into_frame_of_first(&mut query.box_poses, &of_b),
+            Some(distance) => grow(&mut query.box_poses, &of_b, distance),
+        }
         if VECTORS && let Some(pose_b) = &query.b.pose {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
+            if let Some(distance) = query.distance() {
+                let growth = pose_b.growth_in_own_frame(distance);
+                query.first_seen = query.first_seen.map(|seen| seen.grown(growth));
+            }
             if pose_a.moves_nothing() {
                 query.a.pose = None;
             }
@@ -179,6 +219,13 @@ impl<'a> PairBvtt<'a> {
     }
 }
 
+/// Grows the boxes of the second side, whose bounds these are, by a distance.
+fn grow(poses: &mut [Option<Affine>; 2], of_b: &Bounds, distance: f32) {
+    let [_, pose_b] = poses;
+    let unposed = || Affine::identity(of_b);
+    *pose_b = Some(pose_b.unwrap_or_else(unposed).grown(Vec3A::splat(distance)));
+}
+
 /// Replaces the poses of boxes by that of the second mesh as the first sees it, where possible.
 #[inline]
 pub(super) fn into_frame_of_first(poses: &mut [Option<Affine>; 2], of_b: &Bounds) {
@@ -202,6 +249,36 @@ impl<'a> SelfBvtt<'a> {
         // Nothing is posed, so that corners are off by a sixteenth of the padding each.
         let error = Some(shadow.padding() * 0.25);
         Self { error, box_poses: [Some(shadow); 2], ..query }
+    }
+
+    /// Asks for all pairs at most `distance` apart, as [`PairBvtt::within`] does. Triangles that share a vertex are decided by
+    /// the rule for neighbours, whatever the distance; all others by their distance, so that neighbours of neighbours are hits
+    /// from an edge's length on. With [`SelfBvtt::boxes_only`], the boxes of two triangles have to be as near on each axis.
+    ///
+    /// # Complexity
+    /// As that of [`PairBvtt::within`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2], [3, 4, 5]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.5], count: 2 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0, 1]);
+    /// // Two triangles, one 0.5 above the other.
+    /// let query = SelfBvtt::new(bvh);
+    /// assert_eq!((query.count(), query.within(Distance::new(0.5)?).count()), (0, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "within")]
+    #[must_use]
+    pub fn within(self, distance: Distance) -> Self {
+        let (bvh, distance) = (self.a.bvh, distance.get());
+        let mut box_poses = Self::new(bvh).box_poses;
+        if distance > 0.0 {
+            grow(&mut box_poses, &root_bounds(&bvh), distance);
+        }
+        Self { box_poses, distance, ..self }
     }
 
     /// The same with another rule for neighbours.
@@ -296,53 +373,6 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
             root: None,
             leaf_edge: a.bvh.leaf_edge().max(b.bvh.leaf_edge()),
         }
-    }
-
-    /// Asks for all pairs at most `distance` apart, in the frame of the query, in place of those that intersect: exactly, and 0
-    /// asks for those again. In a self query, triangles that share a vertex are hits as ever, whatever the distance, and all
-    /// others by their distance: neighbours of neighbours, too, from an edge's length on.
-    ///
-    /// The boxes of the second side are compared grown by the distance. Triangle pairs are decided eight at a time where f32
-    /// certifies them, and by integers else. With [`boxes_only`](SelfBvtt::boxes_only), their boxes are, on each axis.
-    ///
-    /// # Complexity
-    /// As without, with as many more pairs as boxes overlap that are grown so.
-    ///
-    /// # Examples
-    /// ```
-    /// use pfront_core::{bvtt::*, *};
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
-    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
-    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
-    /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.25]))?;
-    /// assert_eq!(query.within(Distance::new(0.25)?).count(), 1);
-    /// assert_eq!(query.within(Distance::new(0.2)?).count(), 0);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[cfg(feature = "within")]
-    #[must_use]
-    pub fn within(mut self, distance: Distance) -> Self {
-        let distance = distance.get();
-        let [root_a, root_b] = [&self.a, &self.b].map(|side| side.bvh.root());
-        let (Some(_), Some(root_b), true) = (root_a, root_b, distance > 0.0) else {
-            return self;
-        };
-        // Boxes are compared in the frame of the query, in which distances are measured, and only there.
-        if !SELF {
-            self.box_poses = [self.a.pose, self.b.pose];
-        }
-        let [_, pose_b] = &mut self.box_poses;
-        let unposed = || Affine::identity(&root_b.bounds());
-        *pose_b = Some(pose_b.unwrap_or_else(unposed).grown(Vec3A::splat(distance)));
-        self.first_seen = match (self.first_seen, &self.b.pose) {
-            (Some(seen), Some(pose)) => Some(seen.grown(pose.before(distance))),
-            _ => None,
-        };
-        self.distance = distance;
-        let [own, other] = self.bounds(NodePair::ROOT);
-        self.root = own.overlaps(&other).then_some(NodePair::ROOT);
-        self
     }
 
     /// The distance within which pairs are hits, if that is what is asked.

@@ -78,17 +78,16 @@ impl Affine {
         self.padding
     }
 
-    #[cfg(feature = "within")]
     /// The same with boxes that reach farther, by so much on each axis.
     pub(crate) fn grown(self, by: Vec3A) -> Self {
         let padding = (self.padding + by).to_array().map(f32::next_up);
         Self { padding: Vec3A::from_array(padding), ..self }
     }
 
-    #[cfg(feature = "within")]
-    /// How far points are apart at most on each axis of what it poses, if they are posed so far apart: the lengths of the rows of
-    /// its inverse, rounded up by more than f64 takes, times the distance. Infinite if it has no inverse.
-    pub(crate) fn before(&self, distance: f32) -> Vec3A {
+    /// By how much a box in the frame that is posed has to grow on each axis, for its posed points to reach as far as a distance
+    /// around: the lengths of the rows of the inverse, times the distance, rounded up by more than f64 takes. Infinite without
+    /// an inverse.
+    pub(crate) fn growth_in_own_frame(&self, distance: f32) -> Vec3A {
         let Some(back) = self.matrix().try_inverse() else { return Vec3A::INFINITY };
         let [x, y, z] = back.transpose().to_cols_array_2d().map(DVec3::from_array);
         let lengths = DVec3::new(x.length(), y.length(), z.length());

@@ -292,3 +292,62 @@ fn within_a_distance_in_f64_as_every_two_triangles() {
     }
     assert!(hits > 1_000 && own_hits > 1_000, "{hits} {own_hits}");
 }
+
+/// Triangles that their shadows know little of, in a mesh so small that squares of its error underflow.
+#[test]
+#[cfg(feature = "within")]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn near_triangles_of_tiny_meshes_in_f64() {
+    let mut rng = seeded(36);
+    let mut answers = [0; 2];
+    for _ in 0..300 {
+        let mut points = vec![[-1e-18; 3], [1e-18; 3], [1e-18, -1e-18, 0.0]];
+        let gap = 1e-21 * rng.random_range(0.5..1.5);
+        for z in [0.0, gap] {
+            let at = |x: f64, y: f64| [0.9e-18 + x * 1e-21, 0.9e-18 + y * 1e-21, 0.9e-18 + z];
+            points.extend([at(0.0, 0.0), at(rng.random(), 0.0), at(0.0, rng.random())]);
+        }
+        let own = Owned::new(points, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]], true);
+        let distance = (gap * rng.random_range(0.999..1.001)) as f32;
+        let [p, q] = [1, 2].map(|t| own.mesh().triangle_f64(t));
+        let truth = crate::triangle::within_in_f64(&p, &q, distance);
+        let query = SelfBvtt::new(own.bvh()).within(crate::Distance::new(distance).unwrap());
+        let found = sorted(&query).contains(&TrianglePair { a: 1, b: 2 });
+        assert_eq!(found, truth, "{gap:e} {distance:e}");
+        answers[usize::from(truth)] += 1;
+    }
+    assert!(answers.iter().all(|&count| count > 50), "{answers:?}");
+}
+
+/// Poses that are the identity in f32, and are not in f64: far from the origin, shadows are off by what boxes are padded by.
+#[test]
+#[cfg(feature = "within")]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn near_pairs_in_poses_close_to_the_identity() {
+    let mut rng = seeded(37);
+    let mut hits = 0;
+    for round in 0..200 {
+        let (far, stretch) = (1e12, 1.0 + rng.random_range(-2.9e-8..2.9e-8));
+        let (p, t) = soup(&mut rng, 20, 5.0, [far; 3]);
+        let (q, u) = soup(&mut rng, 20, 5.0, [0.0; 3]);
+        let (a, b) = (Owned::new(p, t, true), Owned::new(q, u, round % 2 == 0));
+        let mut pose_a = Pose64::from_translation([-far * stretch; 3]);
+        (0..3).for_each(|k| pose_a.rows[k][k] = stretch);
+        let (pose_b, distance) = (pose(&mut rng, 0.0), 10f32.powi(rng.random_range(-5..1)));
+        let (of_a, of_b) = (a.posed(&pose_a), b.posed(&pose_b));
+        let mut expected = Vec::new();
+        for (i, p) in (0..).zip(&of_a) {
+            let near = |q: &_| crate::triangle::within_in_f64(p, q, distance);
+            let found = (0..).zip(&of_b).filter(|(_, q)| near(q));
+            expected.extend(found.map(|(j, _)| TrianglePair { a: i, b: j }));
+        }
+        let query = PairBvtt::in_world(
+            PosedBvh::in_f64(a.bvh(), &pose_a).unwrap(),
+            PosedBvh::in_f64(b.bvh(), &pose_b).unwrap(),
+        );
+        let query = query.within(crate::Distance::new(distance).unwrap());
+        assert_eq!(sorted(&query), expected, "{round} {distance:e}");
+        hits += expected.len();
+    }
+    assert!(hits > 1_000, "{hits}");
+}

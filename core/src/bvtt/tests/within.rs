@@ -166,3 +166,17 @@ fn distances_from_none_to_the_largest() {
     assert_eq!([count(9.0, 1.0), count(9.0, 11.0)], [0, 64]);
     assert_eq!(SelfBvtt::new(own.bvh()).within(Distance::new(1e-3).unwrap()).count(), 0);
 }
+
+#[test]
+fn the_last_distance_counts() {
+    let own = Owned::new(flat(2), 2, true);
+    let [none, some] = [0.0, 1.0].map(|d| Distance::new(d).unwrap());
+    let above = Pose::from_translation([0.0, 0.0, 0.5]);
+    let pair = PairBvtt::new(own.bvh(), own.bvh(), above).unwrap();
+    let (intersecting, near) = (found(&pair), found(&pair.within(some)));
+    assert!(intersecting.len() < near.len());
+    assert_eq!(found(&pair.within(some).within(none)), intersecting);
+    assert_eq!(found(&pair.within(none).within(some)), near);
+    let itself = SelfBvtt::new(own.bvh());
+    assert_eq!(found(&itself.within(some).within(none)), found(&itself));
+}
