@@ -27,8 +27,8 @@
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
-//! - **Additive features.** `f64`, on by default, lets meshes and poses be in f64; firmware that needs none leaves it out and
-//!   is smaller. `std` switches on run-time detection of AVX2 and the float functions of the standard library; it changes no
+//! - **Additive features.** `f64`, on by default, lets meshes and poses be in f64, and `within`, on by default too, lets queries
+//!   ask for pairs within a distance; firmware that needs neither leaves them out and is smaller. `std` switches on run-time detection of AVX2 and the float functions of the standard library; it changes no
 //!   answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
 //!   `serde` implements `Serialize` and `Deserialize` for [`Pose`], [`Aabb`], [`bvtt::TrianglePair`],
 //!   [`triangle::Contact`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].

@@ -14,6 +14,12 @@
 //! 5. [`crate::triangle`] decides what is open by signs of orientation determinants from `exact`. Triangles of one
 //!    mesh that share vertices follow a rule of their own there.
 //!
+//! # Within a distance
+//! A query for pairs at most a distance apart passes through the same steps, with the boxes of its second side grown by the distance.
+//! In place of `cull`, `near` rejects triangles that a plane holds farther apart, and gathers the other pairs of a leaf pair until
+//! all lanes have one; `nearest` finds near points of each and proves what they show. Open pairs go to
+//! [`crate::triangle::within`], which tests whether they intersect and, if not, their features in integers.
+//!
 //! `wide_node` has the boxes of a step of the traversal, `posed_bvh` one side of a query, `trees` how queries are made, and
 //! `query` the verbs of the public interface.
 //!
