@@ -18,10 +18,11 @@ impl Distance {
     /// # Errors
     /// [`DistanceError`] if it is NaN, infinite or negative.
     pub fn new(distance: f32) -> Result<Self, DistanceError> {
-        if distance.is_finite() && distance >= 0.0 {
-            Ok(Self(distance))
-        } else {
-            Err(DistanceError { distance })
+        // By their bits, the floats up to infinity, and −0, are told in every floating-point environment.
+        match distance.to_bits() {
+            bits if bits < f32::INFINITY.to_bits() => Ok(Self(distance)),
+            bits if bits == (-0.0_f32).to_bits() => Ok(Self(0.0)),
+            _ => Err(DistanceError { distance }),
         }
     }
 

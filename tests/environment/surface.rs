@@ -6,19 +6,19 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
         "PairQuery",
         include_str!("../../src/pair.rs"),
         "all any count visit contacts contacts_f64",
-        "new on report forget plan",
+        "new on within report forget plan",
     ),
     (
         "SelfQuery",
         include_str!("../../src/itself.rs"),
         "all any count visit contacts contacts_f64 set_positions",
-        "new with_adjacency on report forget plan",
+        "new with_adjacency on within report forget plan",
     ),
     (
         "SceneQuery",
         include_str!("../../src/scene/mod.rs"),
         "all update any count intersecting_bodies bodies_in visit contacts contacts_f64",
-        "new on report plan hits last_contacts",
+        "new on within report plan hits last_contacts",
     ),
     (
         "SceneQuery's bodies",
@@ -29,8 +29,8 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     (
         "Batch",
         include_str!("../../src/batch/mod.rs"),
-        "pair within any count all",
-        "new len is_empty clear",
+        "pair itself any count all",
+        "new len is_empty clear within",
     ),
     (
         "Ticket",
