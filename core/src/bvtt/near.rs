@@ -47,6 +47,9 @@ impl TriangleBlock {
                 self.overlapping(splat::<S>(&other.min, j), splat(&other.max, j), around);
             let mut found = overlapping & (allowed >> shift) as u32;
             pairs.overlapping |= u64::from(found) << shift;
+            if SELF && boxes_only {
+                continue;
+            }
             if SELF {
                 found &= !self.share_certified_vertex::<S>(other, j);
             }

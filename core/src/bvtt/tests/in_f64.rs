@@ -351,3 +351,44 @@ fn near_pairs_in_poses_close_to_the_identity() {
     }
     assert!(hits > 1_000, "{hits}");
 }
+
+/// Walls that face each other, whose boxes are as far apart as they are: positions in f64 far from the origin are posed to where
+/// their shadow is not, and a pose may be the identity in f32 and not in f64.
+#[test]
+#[cfg(feature = "within")]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn near_walls_far_from_the_origin_in_f64() {
+    let mut rng = seeded(38);
+    let wall = |x: f64, near: f64| [[x, near, near], [x, near + 1.0, near], [x, near, near + 1.0]];
+    let mut answers = [0; 2];
+    for _ in 0..200 {
+        let far = 1e12;
+        let (pose_a, x) = loop {
+            let stretch = 1.0 + rng.random_range(-2.9e-8..2.9e-8);
+            let mut pose_a = Pose64::from_translation([-far * stretch; 3]);
+            (0..3).for_each(|k| pose_a.rows[k][k] = stretch);
+            let x = far + rng.random_range(-4.0..4.0);
+            let middle = (far - 10.0) * 0.5 + x * 0.5;
+            let [posed, zero] = [x, middle].map(|x| pose_a.apply([x, far, far])[0]);
+            if ((posed - zero) - (x - middle)).abs() > 1e-4 {
+                break (pose_a, x);
+            }
+        };
+        let points = [wall(far - 10.0, far), wall(x, far)].concat();
+        let a = Owned::new(points, vec![[0, 1, 2], [3, 4, 5]], true);
+        let [posed, _, _] = pose_a.apply([x, far, far]);
+        let gap = rng.random_range(1e-3..2e-3);
+        let b = Owned::new(wall(posed + gap, 0.0).to_vec(), vec![[0, 1, 2]], true);
+        let distance = (gap + rng.random_range(-5e-5..5e-5)) as f32;
+        let of_b = b.posed(&Pose64::IDENTITY);
+        let truth = crate::triangle::within_in_f64(&a.posed(&pose_a)[1], &of_b[0], distance);
+        let query = PairBvtt::in_world(
+            PosedBvh::in_f64(a.bvh(), &pose_a).unwrap(),
+            PosedBvh::in_f64(b.bvh(), &Pose64::IDENTITY).unwrap(),
+        );
+        let query = query.within(crate::Distance::new(distance).unwrap());
+        assert_eq!(query.count(), u64::from(truth), "{gap:e} {distance:e}");
+        answers[usize::from(truth)] += 1;
+    }
+    assert!(answers.iter().all(|&count| count > 50), "{answers:?}");
+}
