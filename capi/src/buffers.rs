@@ -3,22 +3,16 @@
 //! [`Mesh`] borrows packed positions and 32-bit indices. A buffer that is laid out so is borrowed; any other one is
 //! copied, once, into memory of the caller's.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
-use crate::memory::{Call, Caller};
+#[cfg(feature = "std")]
+use crate::memory::reserve;
+use crate::memory::{Call, Done};
 use crate::mesh::pfront_mesh_t;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use bytemuck::Pod;
 use core::ffi::{CStr, c_void};
 use core::marker::PhantomData;
+use pfront_capi_entry::entry;
 use pfront_core::Mesh;
 
 /// How an index buffer holds its indices.
@@ -101,7 +95,7 @@ impl<P: Pod> Buffers<P> {
     }
 
     /// Copies the positions, of which there is one for each of `out`.
-    fn copy_positions(&self, call: &Call<'_>, out: &mut [P]) -> Result<(), Fault> {
+    fn copy_positions(&self, call: &Call<'_>, out: &mut [P]) -> Done {
         let packed = size_of::<P>();
         let (what, count, stride) = (self.names.positions, self.vertex_count(), self.stride);
         // The bytes of the last vertex behind its position may not be there.
@@ -117,7 +111,7 @@ impl<P: Pod> Buffers<P> {
     }
 
     /// Copies the triangles, of which there is one for each of `out`.
-    fn copy_triangles(&self, call: &Call<'_>, out: &mut [[u32; 3]]) -> Result<(), Fault> {
+    fn copy_triangles(&self, call: &Call<'_>, out: &mut [[u32; 3]]) -> Done {
         let (what, count) = (self.names.triangles, self.triangle_count());
         let indices = count.checked_mul(3);
         let indices = indices.ok_or(Fault::of(PFRONT_TOO_LONG, what).numbers(0, count))?;
@@ -207,28 +201,23 @@ fn zeros<T: Pod>(count: usize) -> Result<Vec<T>, Fault> {
 
 /// Makes it so many zeros.
 #[cfg(feature = "std")]
-pub(crate) fn resize<T: Pod>(out: &mut Vec<T>, count: usize) -> Result<(), Fault> {
+pub(crate) fn resize<T: Pod>(out: &mut Vec<T>, count: usize) -> Done {
     out.clear();
-    let bytes = count.saturating_mul(size_of::<T>());
-    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
-    out.try_reserve_exact(count).map_err(|_| fault)?;
+    reserve(out, count)?;
     out.resize(count, T::zeroed());
     Ok(())
 }
 
 /// How many bytes of memory `pfront_mesh_from_buffers` needs; 0 if it can borrow both buffers. In O(1).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_mesh_bytes(
+#[entry]
+fn pfront_mesh_bytes(
+    call: &mut Call<'_>,
     buffers: *const pfront_buffers_t,
     mesh_bytes: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"mesh_bytes", mesh_bytes)?;
-        out.set(bytes(&call.get(c"buffers", buffers)?.checked(&NAMES)?)?);
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"mesh_bytes", mesh_bytes)?;
+    out.set(bytes(&call.get(c"buffers", buffers)?.checked(&NAMES)?)?);
+    Ok(())
 }
 
 /// Bytes of the words at any address.
@@ -243,40 +232,33 @@ fn bytes(buffers: &Buffers) -> Result<usize, Fault> {
 /// alignment, which takes their place. `pfront_mesh_bytes` tells how large that must be; it may be null if that is 0.
 ///
 /// When a mesh deforms, make it again and hand its positions to `pfront_bvh_refit`. In O(vertices + triangles).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_mesh_from_buffers(
+#[entry]
+fn pfront_mesh_from_buffers(
+    call: &mut Call<'_>,
     buffers: *const pfront_buffers_t,
     memory: *mut c_void,
     memory_bytes: usize,
     mesh: *mut pfront_mesh_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"mesh", mesh)?;
-        let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
-        let needed = bytes(&buffers)?;
-        Fault::room(c"memory", memory_bytes, needed)?;
-        let words = call.write(c"memory", memory.cast::<u8>(), needed)?;
-        let (_, words, _) = bytemuck::pod_align_to_mut(words);
-        let checked = buffers.mesh(call, words)?;
-        // The caller's own pointers: into memory if there is a copy.
-        let of = |borrowed: *const c_void, address: usize| {
-            if borrowed.addr() == address {
-                borrowed
-            } else {
-                memory.cast_const().with_addr(address)
-            }
-        };
-        let (positions, triangles) = (checked.shadow(), checked.triangles());
-        let pfront_buffers_t { positions: own_positions, triangles: own_triangles, .. } =
-            buffers.buffers;
-        out.set(pfront_mesh_t::made(
-            of(own_positions, positions.as_ptr().addr()).cast(),
-            positions.len(),
-            of(own_triangles, triangles.as_ptr().addr()).cast(),
-            triangles.len(),
-        ));
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"mesh", mesh)?;
+    let buffers = call.get(c"buffers", buffers)?.checked(&NAMES)?;
+    let needed = bytes(&buffers)?;
+    Fault::room(c"memory", memory_bytes, needed)?;
+    let words = call.write(c"memory", memory.cast::<u8>(), needed)?;
+    let (_, words, _) = bytemuck::pod_align_to_mut(words);
+    let checked = buffers.mesh(call, words)?;
+    // The caller's own pointers: into memory if there is a copy.
+    let of = |borrowed: *const c_void, address: usize| {
+        if borrowed.addr() == address { borrowed } else { memory.cast_const().with_addr(address) }
+    };
+    let (positions, triangles) = (checked.shadow(), checked.triangles());
+    let pfront_buffers_t { positions: own_positions, triangles: own_triangles, .. } =
+        buffers.buffers;
+    out.set(pfront_mesh_t::made(
+        of(own_positions, positions.as_ptr().addr()).cast(),
+        positions.len(),
+        of(own_triangles, triangles.as_ptr().addr()).cast(),
+        triangles.len(),
+    ));
+    Ok(())
 }

@@ -1,18 +1,10 @@
 //! Building BVHs, and how much memory that takes.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::bvh::{pfront_bvh_memory_t, pfront_bvh_t};
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::mesh::pfront_mesh_t;
-use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use crate::status::Fault;
+use pfront_capi_entry::entry;
 use pfront_core::MAX_TRIANGLES;
 use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, sah};
@@ -33,27 +25,27 @@ fn bounded(triangle_count: usize, bound: impl Fn(usize) -> usize) -> usize {
 
 /// How many nodes are enough for a BVH of so many triangles; SIZE_MAX if no mesh has so many. With leaves of 8
 /// triangles most take a fifth of it.
-#[unsafe(no_mangle)]
-pub extern "C" fn pfront_node_bound(triangle_count: usize) -> usize {
+#[entry]
+fn pfront_node_bound(triangle_count: usize) -> usize {
     bounded(triangle_count, node_bound)
 }
 
 /// How much scratch `pfront_bvh_build_morton` needs for so many triangles; SIZE_MAX if that cannot be.
-#[unsafe(no_mangle)]
-pub extern "C" fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
+#[entry]
+fn pfront_morton_scratch_bytes(triangle_count: usize) -> usize {
     bounded(triangle_count, |count| bytes::<u64>(2 * count))
 }
 
 /// How much scratch `pfront_bvh_build_sah` needs for so many triangles; SIZE_MAX if that cannot be.
-#[unsafe(no_mangle)]
-pub extern "C" fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
+#[entry]
+fn pfront_sah_scratch_bytes(triangle_count: usize) -> usize {
     bounded(triangle_count, bytes::<Node>)
 }
 
 /// How much scratch `pfront_bvh_adopt` and `pfront_bvh_from_blob` need for so many triangles to take one pass over the
 /// order, and 7 bytes at least; SIZE_MAX if that cannot be.
-#[unsafe(no_mangle)]
-pub extern "C" fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
+#[entry]
+fn pfront_adopt_scratch_bytes(triangle_count: usize) -> usize {
     bounded(triangle_count, |count| bytes::<u32>(count.div_ceil(32).max(1)))
 }
 
@@ -79,7 +71,7 @@ impl Build {
         call: &mut Call<'_>,
         method: Method<S>,
         scratch_bytes: usize,
-    ) -> Result<(), Fault> {
+    ) -> Done {
         let (out, mesh) = (call.out(c"bvh", self.bvh)?, call.get(c"mesh", self.mesh)?);
         let memory = call.get(c"memory", self.memory)?;
         let most = pfront_core::bvh::MAX_LEAF_SIZE;
@@ -111,36 +103,30 @@ impl Build {
 /// rebuild every frame. `leaf_size` is the most triangles that a leaf may hold, 1 to 8, or 0 for the default.
 ///
 /// Fewer nodes than `pfront_node_bound` do if the tree has no more; PFRONT_TOO_SMALL then tells how many it has.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_build_morton(
+#[entry]
+fn pfront_bvh_build_morton(
+    call: &mut Call<'_>,
     mesh: *const pfront_mesh_t,
     leaf_size: u32,
     memory: *const pfront_bvh_memory_t,
     bvh: *mut pfront_bvh_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let triangles = call.get(c"mesh", mesh)?.triangle_count;
-        let scratch_bytes = pfront_morton_scratch_bytes(triangles);
-        Build { mesh, leaf_size, memory, bvh }.by(call, morton, scratch_bytes)
-    })
+) -> Done {
+    let triangles = call.get(c"mesh", mesh)?.triangle_count;
+    let scratch_bytes = pfront_morton_scratch_bytes(triangles);
+    Build { mesh, leaf_size, memory, bvh }.by(call, morton, scratch_bytes)
 }
 
 /// Builds a BVH by the surface area heuristic, in O(n log n): the tree that queries walk fastest. `leaf_size` is as for
 /// `pfront_bvh_build_morton`. Takes up to 72 KiB of stack.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_build_sah(
+#[entry]
+fn pfront_bvh_build_sah(
+    call: &mut Call<'_>,
     mesh: *const pfront_mesh_t,
     leaf_size: u32,
     memory: *const pfront_bvh_memory_t,
     bvh: *mut pfront_bvh_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let triangles = call.get(c"mesh", mesh)?.triangle_count;
-        let scratch_bytes = pfront_sah_scratch_bytes(triangles);
-        Build { mesh, leaf_size, memory, bvh }.by(call, sah, scratch_bytes)
-    })
+) -> Done {
+    let triangles = call.get(c"mesh", mesh)?.triangle_count;
+    let scratch_bytes = pfront_sah_scratch_bytes(triangles);
+    Build { mesh, leaf_size, memory, bvh }.by(call, sah, scratch_bytes)
 }

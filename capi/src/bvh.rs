@@ -1,21 +1,13 @@
 //! BVHs: adopted, refitted, told about.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::mesh::{pfront_aabb_t, pfront_mesh_t};
 use crate::pose::pfront_pose_t;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use core::ffi::{CStr, c_void};
 use core::mem::offset_of;
+use pfront_capi_entry::entry;
 use pfront_core::bvh::{Refit, quality, refit};
 use pfront_core::bvtt::PosedBvh;
 use pfront_core::{Aabb, Bvh, Node};
@@ -128,26 +120,23 @@ impl pfront_bvh_t {
 /// `memory` are how many nodes and entries there are. With less scratch than `pfront_adopt_scratch_bytes`, down to 7
 /// bytes, the answer is the same and takes more passes over the order. Nothing but scratch is written; nodes and order
 /// may lie in read-only memory unless the BVH is refitted.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_adopt(
+#[entry]
+fn pfront_bvh_adopt(
+    call: &mut Call<'_>,
     mesh: *const pfront_mesh_t,
     memory: *const pfront_bvh_memory_t,
     bvh: *mut pfront_bvh_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, mesh) = (call.out(c"bvh", bvh)?, call.get(c"mesh", mesh)?);
-        let memory = call.get(c"memory", memory)?;
-        let scratch = call.marks(memory.scratch, memory.scratch_bytes)?;
-        let node_count = memory.node_capacity;
-        let nodes = call.read(c"nodes", memory.nodes.cast_const().cast::<Node>(), node_count)?;
-        let order = call.read(c"order", memory.order.cast_const(), memory.order_capacity)?;
-        Bvh::new(mesh.view(call, c"mesh")?, nodes, order, scratch)?;
-        let (nodes, order) = (memory.nodes, memory.order);
-        out.set(pfront_bvh_t::made(mesh, nodes, node_count, order));
-        Ok(())
-    })
+) -> Done {
+    let (out, mesh) = (call.out(c"bvh", bvh)?, call.get(c"mesh", mesh)?);
+    let memory = call.get(c"memory", memory)?;
+    let scratch = call.marks(memory.scratch, memory.scratch_bytes)?;
+    let node_count = memory.node_capacity;
+    let nodes = call.read(c"nodes", memory.nodes.cast_const().cast::<Node>(), node_count)?;
+    let order = call.read(c"order", memory.order.cast_const(), memory.order_capacity)?;
+    Bvh::new(mesh.view(call, c"mesh")?, nodes, order, scratch)?;
+    let (nodes, order) = (memory.nodes, memory.order);
+    out.set(pfront_bvh_t::made(mesh, nodes, node_count, order));
+    Ok(())
 }
 
 /// Fits a BVH to new positions of its mesh, in O(triangles). Its arrays are written; queries and fronts that hold the
@@ -156,71 +145,58 @@ pub unsafe extern "C" fn pfront_bvh_adopt(
 /// `positions` take the place of those of the mesh; they may be the same array, changed in place. If one is not finite
 /// the boxes stay as they were: then give other positions before the next query. `quality`, which may be null, is told
 /// how good the tree still is, see PFRONT_REBUILD_RATIO. A BVH that borrows a blob is refused.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_refit(
+#[entry]
+fn pfront_bvh_refit(
+    call: &mut Call<'_>,
     bvh: *mut pfront_bvh_t,
     positions: *const f32,
     vertex_count: usize,
     quality: *mut f32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, mut own) = (call.out(c"bvh", bvh)?, call.get(c"bvh", bvh)?);
-        let count = own.sealed(c"bvh")?.mesh.vertex_count;
-        if own.seal == BORROWED {
-            return Err(Fault::of(PFRONT_READ_ONLY, c"bvh"));
-        }
-        if vertex_count != count {
-            let fault = Fault::of(PFRONT_VERTEX_COUNT, c"positions");
-            return Err(fault.numbers(count, vertex_count));
-        }
-        let told = if quality.is_null() { None } else { Some(call.out(c"quality", quality)?) };
-        own.mesh.positions = positions;
-        let nodes = call.write(c"nodes", own.nodes.cast::<Node>(), own.node_count)?;
-        let mesh = own.mesh.moved(call)?;
-        let order = call.read(c"order", own.order, own.mesh.triangle_count)?;
-        let now = refit(mesh, nodes, order, Refit::default())?;
-        out.set(own);
-        if let Some(told) = told {
-            told.set(now);
-        }
-        Ok(())
-    })
+) -> Done {
+    let (out, mut own) = (call.out(c"bvh", bvh)?, call.get(c"bvh", bvh)?);
+    let count = own.sealed(c"bvh")?.mesh.vertex_count;
+    if own.seal == BORROWED {
+        return Err(Fault::of(PFRONT_READ_ONLY, c"bvh"));
+    }
+    if vertex_count != count {
+        let fault = Fault::of(PFRONT_VERTEX_COUNT, c"positions");
+        return Err(fault.numbers(count, vertex_count));
+    }
+    let told = if quality.is_null() { None } else { Some(call.out(c"quality", quality)?) };
+    own.mesh.positions = positions;
+    let nodes = call.write(c"nodes", own.nodes.cast::<Node>(), own.node_count)?;
+    let mesh = own.mesh.moved(call)?;
+    let order = call.read(c"order", own.order, own.mesh.triangle_count)?;
+    let now = refit(mesh, nodes, order, Refit::default())?;
+    out.set(own);
+    if let Some(told) = told {
+        told.set(now);
+    }
+    Ok(())
 }
 
 /// How many tests a triangle of the mesh is expected to need to find those near it; lower is better. In O(triangles).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_quality(
-    bvh: *const pfront_bvh_t,
-    quality: *mut f32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, bvh) = (call.out(c"quality", quality)?, call.get(c"bvh", bvh)?);
-        out.set(self::quality(&bvh.view(call, c"bvh")?));
-        Ok(())
-    })
+#[entry]
+fn pfront_bvh_quality(call: &mut Call<'_>, bvh: *const pfront_bvh_t, quality: *mut f32) -> Done {
+    let (out, bvh) = (call.out(c"quality", quality)?, call.get(c"bvh", bvh)?);
+    out.set(self::quality(&bvh.view(call, c"bvh")?));
+    Ok(())
 }
 
 /// A box that contains every vertex of every triangle in a pose, rounding included, for a broad phase. The box of an empty
 /// mesh reaches from infinity to minus infinity. In O(1).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_bvh_bounds(
+#[entry]
+fn pfront_bvh_bounds(
+    call: &mut Call<'_>,
     bvh: *const pfront_bvh_t,
     world_from_bvh: *const pfront_pose_t,
     bounds: *mut pfront_aabb_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, bvh) = (call.out(c"bounds", bounds)?, call.get(c"bvh", bvh)?);
-        let pose = call.get(c"world_from_bvh", world_from_bvh)?.pose();
-        let placed = PosedBvh::new(bvh.view(call, c"bvh")?, &pose);
-        let placed = placed.map_err(Fault::pose(c"world_from_bvh"))?;
-        let Aabb { min, max } = placed.aabb().unwrap_or(Aabb::EMPTY);
-        out.set(pfront_aabb_t { min, max });
-        Ok(())
-    })
+) -> Done {
+    let (out, bvh) = (call.out(c"bounds", bounds)?, call.get(c"bvh", bvh)?);
+    let pose = call.get(c"world_from_bvh", world_from_bvh)?.pose();
+    let placed = PosedBvh::new(bvh.view(call, c"bvh")?, &pose);
+    let placed = placed.map_err(Fault::pose(c"world_from_bvh"))?;
+    let Aabb { min, max } = placed.aabb().unwrap_or(Aabb::EMPTY);
+    out.set(pfront_aabb_t { min, max });
+    Ok(())
 }

@@ -1,16 +1,13 @@
 //! How far an answer has come.
 
-#![expect(unsafe_code, reason = "C finds functions by name, and holds a cursor as so many bytes")]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
+#![expect(unsafe_code, reason = "C holds a cursor as so many bytes")]
 
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::query::pfront_query_t;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use core::mem::MaybeUninit;
+use pfront_capi_entry::entry;
 use pfront_core::bvtt::{AnyBvtt, Cursor, NodePair, Query, Work};
 
 /// A node of a bounding volume test tree: one node of either BVH, or two of one.
@@ -96,38 +93,32 @@ pub(crate) fn on_walk<'c>(
 }
 
 /// Sets a cursor before the first triangle pair of a query.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_cursor_start(
+#[entry]
+fn pfront_cursor_start(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (query, asked, cursor) = on_walk(call, query, cursor)?;
-        cursor.begin(&query, asked.start());
-        Ok(())
-    })
+) -> Done {
+    let (query, asked, cursor) = on_walk(call, query, cursor)?;
+    cursor.begin(&query, asked.start());
+    Ok(())
 }
 
 /// Sets a cursor before the first triangle pair below one node of a front: see `pfront_front_divide`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_cursor_at(
+#[entry]
+fn pfront_cursor_at(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     node: pfront_node_pair_t,
     cursor: *mut pfront_cursor_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (query, _, cursor) = on_walk(call, query, cursor)?;
-        let pfront_node_pair_t { a, b } = node;
-        for (what, index, bvh) in [(c"node.a", a, &query.a), (c"node.b", b, &query.b)] {
-            // The unused slot looks like a parent of the root, so that pairs would come more than once.
-            let limit = if index == UNUSED { 1 } else { bvh.node_count };
-            Fault::below(what, index as usize, limit)?;
-        }
-        cursor.begin(&query, Cursor::at(NodePair { a, b }));
-        Ok(())
-    })
+) -> Done {
+    let (query, _, cursor) = on_walk(call, query, cursor)?;
+    let pfront_node_pair_t { a, b } = node;
+    for (what, index, bvh) in [(c"node.a", a, &query.a), (c"node.b", b, &query.b)] {
+        // The unused slot looks like a parent of the root, so that pairs would come more than once.
+        let limit = if index == UNUSED { 1 } else { bvh.node_count };
+        Fault::below(what, index as usize, limit)?;
+    }
+    cursor.begin(&query, Cursor::at(NodePair { a, b }));
+    Ok(())
 }

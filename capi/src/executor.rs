@@ -1,21 +1,13 @@
 //! Executors: the threads and the GPU that answer about models and scenes.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
-use crate::memory::{Call, Caller, Handle};
-use crate::status::pfront_status_t::{self, PFRONT_FORKED, PFRONT_NO_DEVICE};
-use crate::status::{Fault, pfront_error_t};
+use crate::memory::{Call, Done, Handle};
+use crate::status::Fault;
+use crate::status::pfront_status_t::{PFRONT_FORKED, PFRONT_NO_DEVICE};
 use core::ffi::CStr;
 use core::num::NonZero;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use pfront::Executor;
+use pfront_capi_entry::entry;
 
 /// Who answers.
 #[repr(u32)]
@@ -64,7 +56,7 @@ impl OwnExecutor {
     }
 
     /// Checks that it is of this process.
-    pub(crate) fn check(&self, what: &'static CStr) -> Result<(), Fault> {
+    pub(crate) fn check(&self, what: &'static CStr) -> Done {
         if self.is_foreign() { Err(Fault::of(PFRONT_FORKED, what)) } else { Ok(()) }
     }
 
@@ -75,7 +67,7 @@ impl OwnExecutor {
 }
 
 /// Checks that the pool of threads and the driver of the GPU are of this process, or become so.
-fn own_process(what: &'static CStr) -> Result<(), Fault> {
+fn own_process(what: &'static CStr) -> Done {
     /// The process that has made the first executor with either: a child of `fork` has neither.
     static PROCESS: AtomicU32 = AtomicU32::new(0);
     let own = std::process::id();
@@ -120,38 +112,31 @@ fn with_gpu(_: Executor, _: bool) -> Result<Executor, Fault> {
 /// measuring it for PFRONT_AUTO as long again: make one executor and keep it. A child of fork can use and make executors without
 /// threads and GPU only, once its parent has made one with either; the others are PFRONT_FORKED there, and can only be freed, which
 /// leaves their memory.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_executor_create(
+#[entry]
+fn pfront_executor_create(
+    call: &mut Call<'_>,
     device: u32,
     workers: u32,
     executor: *mut *mut pfront_executor_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"executor", executor)?;
-        Fault::below(c"device", device as usize, 3)?;
-        const GPU: u32 = pfront_device_t::PFRONT_GPU as u32;
-        const CPU: u32 = pfront_device_t::PFRONT_CPU as u32;
-        let cpu = threads(workers)?;
-        let executor = match device {
-            CPU => cpu,
-            _ => with_gpu(cpu, device == GPU)?,
-        };
-        let has_either = device != CPU || workers > 1;
-        let process = NonZero::new(std::process::id()).filter(|_| has_either);
-        out.set(Call::boxed(OwnExecutor { executor, process })?);
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"executor", executor)?;
+    Fault::below(c"device", device as usize, 3)?;
+    const GPU: u32 = pfront_device_t::PFRONT_GPU as u32;
+    const CPU: u32 = pfront_device_t::PFRONT_CPU as u32;
+    let cpu = threads(workers)?;
+    let executor = match device {
+        CPU => cpu,
+        _ => with_gpu(cpu, device == GPU)?,
+    };
+    let has_either = device != CPU || workers > 1;
+    let process = NonZero::new(std::process::id()).filter(|_| has_either);
+    out.set(Call::boxed(OwnExecutor { executor, process })?);
+    Ok(())
 }
 
 /// Frees an executor; null is fine. Scenes and queries that were made with it go on. PFRONT_BUSY if another thread is inside a
 /// call with it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_executor_free(
-    executor: *mut pfront_executor_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| call.free(c"executor", executor))
+#[entry]
+fn pfront_executor_free(call: &mut Call<'_>, executor: *mut pfront_executor_t) -> Done {
+    call.free(c"executor", executor)
 }

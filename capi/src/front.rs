@@ -1,21 +1,13 @@
 //! Frames divided among the caller's own threads.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::cursor::pfront_node_pair_t;
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::query::pfront_query_t;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use core::cell::Cell;
 use core::mem::offset_of;
+use pfront_capi_entry::entry;
 use pfront_core::bvtt::{AnyBvtt, Query, SelfBvtt, Work};
 use pfront_core::front::{Front, FrontNode, Part, RefineOptions};
 use pfront_core::{Bvh, Mesh};
@@ -116,7 +108,7 @@ impl pfront_front_t {
         history: &mut [FrontNode],
         nodes: &mut [FrontNode],
         parts: &mut [Part],
-    ) -> Result<(), Fault> {
+    ) -> Done {
         let mut front = Front::new(nodes);
         for (query, number) in queries.queries.iter().zip(0..) {
             if let Some(root) = query.asked(queries.call)?.root() {
@@ -156,37 +148,34 @@ impl<'c> Queries<'_, 'c> {
 
 /// Makes a front in the caller's memory, with nothing remembered, which need not be initialised. `history` may be null
 /// if `history_capacity` is 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_front_init(
+#[entry]
+fn pfront_front_init(
+    call: &mut Call<'_>,
     front: *mut pfront_front_t,
     nodes: *mut pfront_front_node_t,
     node_capacity: usize,
     history: *mut pfront_front_node_t,
     history_capacity: usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"front", front)?;
-        call.write(c"nodes", nodes.cast::<FrontNode>(), node_capacity)?;
-        call.write(c"history", history.cast::<FrontNode>(), history_capacity)?;
-        let RefineOptions { g, g_estimated, .. } = RefineOptions::new(1);
-        out.set(pfront_front_t {
-            seal: SEAL,
-            g,
-            g_estimated,
-            nodes,
-            node_capacity,
-            node_count: 0,
-            history,
-            history_capacity,
-            history_count: 0,
-            full: 0,
-            coherent: 0,
-            box_tests: 0,
-        });
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"front", front)?;
+    call.write(c"nodes", nodes.cast::<FrontNode>(), node_capacity)?;
+    call.write(c"history", history.cast::<FrontNode>(), history_capacity)?;
+    let RefineOptions { g, g_estimated, .. } = RefineOptions::new(1);
+    out.set(pfront_front_t {
+        seal: SEAL,
+        g,
+        g_estimated,
+        nodes,
+        node_capacity,
+        node_count: 0,
+        history,
+        history_capacity,
+        history_count: 0,
+        full: 0,
+        coherent: 0,
+        box_tests: 0,
+    });
+    Ok(())
 }
 
 /// Divides the queries of a frame into nodes of about equal cost, and assigns these to `workers`, of which there is at
@@ -196,87 +185,75 @@ pub unsafe extern "C" fn pfront_front_init(
 /// Then each worker, on a thread of its own, goes through the nodes whose `part` is its number: it sets its own cursor to
 /// the node by `pfront_cursor_at`, asks page by page until that is done, and writes what this cost to the node. All
 /// pages together are the answer; which pairs come from which node is the same for any number of threads.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_front_divide(
+#[entry]
+fn pfront_front_divide(
+    call: &mut Call<'_>,
     front: *mut pfront_front_t,
     queries: *const pfront_query_t,
     query_count: usize,
     parts: *mut pfront_part_t,
     workers: usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        Fault::room(c"parts", workers, 1)?;
-        Fault::room(c"nodes", own.node_capacity, query_count)?;
-        let parts = call.write(c"parts", parts.cast::<Part>(), workers)?;
-        let nodes = call.write(c"nodes", own.nodes.cast::<FrontNode>(), own.node_capacity)?;
-        let queries = call.read(c"queries", queries, query_count)?;
-        let history = own.history(call)?;
-        own.divide(&Queries { queries, call }, history, nodes, parts)?;
-        out.set(own);
-        Ok(())
-    })
+) -> Done {
+    let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
+    Fault::room(c"parts", workers, 1)?;
+    Fault::room(c"nodes", own.node_capacity, query_count)?;
+    let parts = call.write(c"parts", parts.cast::<Part>(), workers)?;
+    let nodes = call.write(c"nodes", own.nodes.cast::<FrontNode>(), own.node_capacity)?;
+    let queries = call.read(c"queries", queries, query_count)?;
+    let history = own.history(call)?;
+    own.divide(&Queries { queries, call }, history, nodes, parts)?;
+    out.set(own);
+    Ok(())
 }
 
 /// Remembers what the nodes of a front have cost, for the next `pfront_front_divide`: after all workers are done.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_front_remember(
-    front: *mut pfront_front_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        own.history_count = own.node_count;
-        let history = own.history(call)?;
-        let nodes = own.nodes.cast_const().cast::<FrontNode>();
-        let nodes = call.read(c"nodes", nodes, own.node_count)?;
-        let wrong = |node: &FrontNode| !(0.0..=f32::MAX).contains(&node.cost);
-        if let Some(index) = nodes.iter().position(wrong) {
-            return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"nodes.cost").at(index));
-        }
-        // As many of both; a loop, since copying slices checks that with a panic.
-        for (remembered, node) in history.iter_mut().zip(nodes) {
-            *remembered = *node;
-        }
-        out.set(own);
-        Ok(())
-    })
+#[entry]
+fn pfront_front_remember(call: &mut Call<'_>, front: *mut pfront_front_t) -> Done {
+    let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
+    own.history_count = own.node_count;
+    let history = own.history(call)?;
+    let nodes = own.nodes.cast_const().cast::<FrontNode>();
+    let nodes = call.read(c"nodes", nodes, own.node_count)?;
+    let wrong = |node: &FrontNode| !(0.0..=f32::MAX).contains(&node.cost);
+    if let Some(index) = nodes.iter().position(wrong) {
+        return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"nodes.cost").at(index));
+    }
+    // As many of both; a loop, since copying slices checks that with a panic.
+    for (remembered, node) in history.iter_mut().zip(nodes) {
+        *remembered = *node;
+    }
+    out.set(own);
+    Ok(())
 }
 
 /// Tells a front that the next frame asks other queries than the last: the one with number `i` gets `numbers[i]`, or is
 /// gone if that is UINT32_MAX or `i` is not below `count`. No two get the same. Without this, keep all numbers, or set
 /// `history_count` to 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_front_renumber(
+#[entry]
+fn pfront_front_renumber(
+    call: &mut Call<'_>,
     front: *mut pfront_front_t,
     numbers: *const u32,
     count: usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
-        let history = own.history(call)?;
-        let numbers = call.read(c"numbers", numbers, count)?;
-        own.history_count = 0;
-        // Nodes move to the front of the array as they are met, never past the one that is read.
-        let history = Cell::from_mut(history).as_slice_of_cells();
-        let mut kept = history.iter();
-        for node in history {
-            let mut node = node.get();
-            if let Some(&query) = numbers.get(node.query as usize)
-                && query != u32::MAX
-                && let Some(slot) = kept.next()
-            {
-                node.query = query;
-                slot.set(node);
-                own.history_count += 1;
-            }
+) -> Done {
+    let (out, mut own) = (call.out(c"front", front)?, call.get(c"front", front)?.sealed()?);
+    let history = own.history(call)?;
+    let numbers = call.read(c"numbers", numbers, count)?;
+    own.history_count = 0;
+    // Nodes move to the front of the array as they are met, never past the one that is read.
+    let history = Cell::from_mut(history).as_slice_of_cells();
+    let mut kept = history.iter();
+    for node in history {
+        let mut node = node.get();
+        if let Some(&query) = numbers.get(node.query as usize)
+            && query != u32::MAX
+            && let Some(slot) = kept.next()
+        {
+            node.query = query;
+            slot.set(node);
+            own.history_count += 1;
         }
-        out.set(own);
-        Ok(())
-    })
+    }
+    out.set(own);
+    Ok(())
 }

@@ -3,8 +3,16 @@
 //! Every function goes through [`memory`], the one place that follows a pointer of the caller's. The structures that C
 //! holds between two calls are plain data: numbers, and pointers into arrays that belong to the caller. Rust's views of
 //! them ([`pfront_core::Bvh`] and so on) are made anew in each call and end with it, so nothing is kept behind the caller's
-//! back, and there is nothing to lock or to free; but for models, executors, queries about models and scenes, which own what they need, and lists, which an
-//! [`allocator`] owns. Names are those of C.
+//! back, and there is nothing to lock or to free; but for models, executors, queries about models and scenes, which own what
+//! they need, and lists, which an [`allocator`] owns. Names are those of C.
+//!
+//! A function is added so:
+//! 1. in the module of its kind, `#[entry] fn pfront_name(call: &mut Call<'_>, ...) -> Done`, with what the header is to say.
+//!    `entry` gives it `error` and a status in C, catches panics, and sets the floating-point environment;
+//! 2. its body claims what it writes first ([`memory::Call::out`], [`write`](memory::Call::write), `owned`), then reads
+//!    ([`get`](memory::Call::get), [`read`](memory::Call::read), `shared`), calls Rust, and sets what goes out, last;
+//! 3. `PFRONT_WRITE_HEADER=1 cargo test --test header` writes the header. A method goes to `include/pfront.hpp`, a line to
+//!    README.md, and a test of it in C to `tests`, which `.ci/capi` runs under valgrind and sanitizers.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![expect(non_camel_case_types, reason = "the names of types are those of C")]

@@ -19,7 +19,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 use core::slice;
 #[cfg(feature = "std")]
-pub(crate) use handle::Handle;
+pub(crate) use handle::{Handle, reserve};
 use pfront_core::Node;
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::environment;
@@ -70,6 +70,9 @@ plain!(
 #[cfg(feature = "std")]
 plain!(crate::pfront_subject_t);
 
+/// The outcome of a function that C calls.
+pub(crate) type Done = Result<(), Fault>;
+
 /// Someone who keeps to the contract of the header.
 pub(crate) struct Caller(());
 
@@ -86,7 +89,7 @@ impl Caller {
     pub(crate) fn call(
         self,
         error: *mut pfront_error_t,
-        body: impl for<'c> FnOnce(&mut Call<'c>) -> Result<(), Fault>,
+        body: impl for<'c> FnOnce(&mut Call<'c>) -> Done,
     ) -> pfront_status_t {
         if !error.is_aligned() {
             return PFRONT_MISALIGNED;
@@ -112,14 +115,14 @@ impl Caller {
 
 /// Nothing may unwind into C.
 #[cfg(feature = "std")]
-fn guarded(body: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
+fn guarded(body: impl FnOnce() -> Done) -> Done {
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(body));
     caught.unwrap_or_else(|_| Err(Fault::new(PFRONT_DAMAGED)))
 }
 
 /// There is no unwinding.
 #[cfg(not(feature = "std"))]
-fn guarded(body: impl FnOnce() -> Result<(), Fault>) -> Result<(), Fault> {
+fn guarded(body: impl FnOnce() -> Done) -> Done {
     body()
 }
 
@@ -223,12 +226,7 @@ impl<'c> Call<'c> {
     }
 
     /// Remembers what is to be written.
-    fn claim(
-        &mut self,
-        what: &'static CStr,
-        addresses: Range<usize>,
-        lent: bool,
-    ) -> Result<(), Fault> {
+    fn claim(&mut self, what: &'static CStr, addresses: Range<usize>, lent: bool) -> Done {
         self.apart(what, &addresses, |_| true)?;
         let free = self.claims.get_mut(self.count).ok_or(Fault::new(PFRONT_DAMAGED))?;
         (*free, self.count) =
@@ -242,7 +240,7 @@ impl<'c> Call<'c> {
         what: &'static CStr,
         addresses: &Range<usize>,
         which: impl Fn(&Claim) -> bool,
-    ) -> Result<(), Fault> {
+    ) -> Done {
         let overlaps = |claim: &Claim| addresses.start < claim.end && claim.start < addresses.end;
         if self.claims.iter().any(|claim| which(claim) && overlaps(claim)) {
             return Err(Fault::of(PFRONT_OVERLAP, what));
@@ -274,6 +272,14 @@ fn addresses<T>(what: &'static CStr, first: *const T, len: usize) -> Result<Rang
 pub(crate) struct Out<T>(*mut T);
 
 impl<T: Copy> Out<T> {
+    /// A result that there may be none of, and whether there is.
+    pub(crate) fn set_some(self, found: Out<u32>, value: Option<T>) {
+        found.set(value.is_some().into());
+        if let Some(value) = value {
+            self.set(value);
+        }
+    }
+
     pub(crate) fn set(self, value: T) {
         // SAFETY: `Call::out` has checked that it is aligned and not null, and by the contract one is there; what is
         // lent overlaps none of it, or is not used any more.

@@ -1,18 +1,10 @@
 //! Meshes and boxes.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
-use crate::memory::{Call, Caller};
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::memory::{Call, Done};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use core::ffi::CStr;
+use pfront_capi_entry::entry;
 use pfront_core::Mesh;
 
 /// A mesh that was checked: arrays of the caller's, which must stay where they are.
@@ -74,23 +66,20 @@ impl pfront_mesh_t {
 /// triangles, triangles without area, vertices in no triangle and no triangles at all are fine.
 ///
 /// Takes time in O(vertices + triangles).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_mesh_check(
+#[entry]
+fn pfront_mesh_check(
+    call: &mut Call<'_>,
     positions: *const f32,
     vertex_count: usize,
     triangles: *const u32,
     triangle_count: usize,
     mesh: *mut pfront_mesh_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"mesh", mesh)?;
-        let checked = pfront_mesh_t::made(positions, vertex_count, triangles, triangle_count);
-        Mesh::new(checked.points(call)?, checked.corners(call)?)?;
-        out.set(checked);
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"mesh", mesh)?;
+    let checked = pfront_mesh_t::made(positions, vertex_count, triangles, triangle_count);
+    Mesh::new(checked.points(call)?, checked.corners(call)?)?;
+    out.set(checked);
+    Ok(())
 }
 
 /// A box along the axes.

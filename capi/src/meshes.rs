@@ -1,25 +1,17 @@
 //! Two meshes in one call, for who asks once: their BVHs are built on the way, in memory of an allocator.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::allocator::{Block, pfront_allocator_t};
 use crate::buffers::{Buffers, Names, pfront_buffers_t};
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::pose::pfront_pose_t;
 use crate::query::by_rule;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use crate::verbs::pfront_pair_t;
 use bytemuck::{must_cast_slice_mut, pod_align_to_mut};
 use core::ops::ControlFlow::{Break, Continue};
 use core::ptr::null_mut;
+use pfront_capi_entry::entry;
 use pfront_core::MAX_TRIANGLES;
 use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
 use pfront_core::bvtt::{PairBvtt, Query, TrianglePair};
@@ -182,95 +174,78 @@ fn list(query: &impl Query, allocator: pfront_allocator_t) -> Result<(Block, usi
 /// `list` need not be initialised; it takes memory of `allocator`, which a null pointer leaves to malloc, unless the
 /// library is without the standard library. `pfront_pair_list_free` gives it back. Other memory, about 100 bytes a
 /// triangle, is given back at once.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_all(
+#[entry]
+fn pfront_all(
+    call: &mut Call<'_>,
     a: *const pfront_buffers_t,
     b: *const pfront_buffers_t,
     a_from_b: *const pfront_pose_t,
     allocator: *const pfront_allocator_t,
     list: *mut pfront_pair_list_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"list", list)?;
-        let (found, allocator) = Meshes { a, b, a_from_b, allocator }
-            .ask(call, |query, allocator| Ok((self::list(&query, allocator)?, allocator)))?;
-        let (block, count) = found;
-        let (pairs, capacity) = block.into_raw();
-        out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"list", list)?;
+    let (found, allocator) = Meshes { a, b, a_from_b, allocator }
+        .ask(call, |query, allocator| Ok((self::list(&query, allocator)?, allocator)))?;
+    let (block, count) = found;
+    let (pairs, capacity) = block.into_raw();
+    out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
+    Ok(())
 }
 
 /// Finds all pairs of triangles of one mesh that meet, by a `pfront_rule_t`; all else is as for `pfront_all`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_self(
+#[entry]
+fn pfront_self(
+    call: &mut Call<'_>,
     buffers: *const pfront_buffers_t,
     rule: u32,
     allocator: *const pfront_allocator_t,
     list: *mut pfront_pair_list_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"list", list)?;
-        let allocator = pfront_allocator_t::of(call, allocator)?;
-        let buffers = call.get(c"buffers", buffers)?.checked(&crate::buffers::NAMES)?;
-        let room = Room::of(&buffers)?;
-        let mut block = Block::new(allocator, room.words() + room.scratch)?;
-        let (scratch, words) = split(block.words(), room.scratch)?;
-        let query = by_rule(room.build(&buffers, call, words, scratch)?, rule)?;
-        let (pairs, count) = self::list(&query, allocator)?;
-        drop(block);
-        let (pairs, capacity) = pairs.into_raw();
-        out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"list", list)?;
+    let allocator = pfront_allocator_t::of(call, allocator)?;
+    let buffers = call.get(c"buffers", buffers)?.checked(&crate::buffers::NAMES)?;
+    let room = Room::of(&buffers)?;
+    let mut block = Block::new(allocator, room.words() + room.scratch)?;
+    let (scratch, words) = split(block.words(), room.scratch)?;
+    let query = by_rule(room.build(&buffers, call, words, scratch)?, rule)?;
+    let (pairs, count) = self::list(&query, allocator)?;
+    drop(block);
+    let (pairs, capacity) = pairs.into_raw();
+    out.set(pfront_pair_list_t { seal: SEAL, pairs: pairs.cast(), count, capacity, allocator });
+    Ok(())
 }
 
 /// Finds some pair of triangles of `a` and `b` that meet, and stops at the first: `found` is 1 if there is one, else 0
 /// and `pair` is not written. All else is as for `pfront_all`; there is nothing to free.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_any(
+#[entry]
+fn pfront_any(
+    call: &mut Call<'_>,
     a: *const pfront_buffers_t,
     b: *const pfront_buffers_t,
     a_from_b: *const pfront_pose_t,
     allocator: *const pfront_allocator_t,
     pair: *mut pfront_pair_t,
     found: *mut u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
-        let meshes = Meshes { a, b, a_from_b, allocator };
-        let some = meshes.ask(call, |query, _| Ok(query.any()))?;
-        is_found.set(some.is_some().into());
-        if let Some(TrianglePair { a, b }) = some {
-            out.set(pfront_pair_t { a, b });
-        }
-        Ok(())
-    })
+) -> Done {
+    let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
+    let meshes = Meshes { a, b, a_from_b, allocator };
+    let some = meshes.ask(call, |query, _| Ok(query.any()))?;
+    out.set_some(is_found, some.map(pfront_pair_t::from));
+    Ok(())
 }
 
 /// Gives the memory of a list back to its allocator. The list is not one any more afterwards, and PFRONT_NOT_MADE if it
 /// is freed again.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_pair_list_free(
-    list: *mut pfront_pair_list_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let list = call.one(c"list", list)?;
-        if list.seal != SEAL {
-            return Err(Fault::of(PFRONT_NOT_MADE, c"list"));
-        }
-        let (first, capacity, allocator) = (list.pairs.cast(), list.capacity, list.allocator);
-        (list.seal, list.pairs, list.count, list.capacity) = (0, null_mut(), 0, 0);
-        // SAFETY: by the seal `pfront_all` has made it, and nobody has freed it.
-        drop(unsafe { Block::from_raw(first, capacity, allocator) });
-        Ok(())
-    })
+#[entry]
+fn pfront_pair_list_free(call: &mut Call<'_>, list: *mut pfront_pair_list_t) -> Done {
+    let list = call.one(c"list", list)?;
+    if list.seal != SEAL {
+        return Err(Fault::of(PFRONT_NOT_MADE, c"list"));
+    }
+    let (first, capacity, allocator) = (list.pairs.cast(), list.capacity, list.allocator);
+    (list.seal, list.pairs, list.count, list.capacity) = (0, null_mut(), 0, 0);
+    #[expect(unsafe_code, reason = "C gives back what a list holds")]
+    // SAFETY: by the seal `pfront_all` has made it, and nobody has freed it.
+    drop(unsafe { Block::from_raw(first, capacity, allocator) });
+    Ok(())
 }

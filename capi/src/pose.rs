@@ -1,17 +1,9 @@
 //! Poses: from what engines keep, inverses and products.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
-use crate::memory::Caller;
-use crate::status::pfront_status_t::{self, PFRONT_NO_INVERSE, PFRONT_NOT_UNIT};
-use crate::status::{Fault, pfront_error_t};
+use crate::memory::{Call, Done};
+use crate::status::Fault;
+use crate::status::pfront_status_t::{PFRONT_NO_INVERSE, PFRONT_NOT_UNIT};
+use pfront_capi_entry::entry;
 use pfront_core::Pose;
 
 /// A pose: three rows of a matrix, and in the last column the translation. Meant to be rigid; any finite affine map
@@ -52,19 +44,16 @@ pub struct pfront_pose64_t {
 
 /// Makes a pose from a matrix of 16 floats by columns, as OpenGL, Vulkan, glam and three.js keep it. Its last row, 0 0 0
 /// 1 of every affine map, is ignored.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_pose_from_cols_array(
+#[entry]
+fn pfront_pose_from_cols_array(
+    call: &mut Call<'_>,
     matrix: *const f32,
     pose: *mut pfront_pose_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"pose", pose)?;
-        let matrix: [f32; 16] = call.get(c"matrix", matrix.cast())?;
-        out.set(Pose::from_cols_array(&matrix).into());
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"pose", pose)?;
+    let matrix: [f32; 16] = call.get(c"matrix", matrix.cast())?;
+    out.set(Pose::from_cols_array(&matrix).into());
+    Ok(())
 }
 
 /// How far from 1 the square of the length of a quaternion may be. Rounding in f32 takes it some 10^-6 away, and what engines
@@ -75,59 +64,50 @@ const OFF_UNIT: f64 = 1.0 / 1024.0;
 /// Makes a pose from a rotation, a unit quaternion of 4 floats (x, y, z, w), and a translation of 3 that comes after it. A
 /// quaternion the square of whose length differs from 1 by more than 1/1024, or is NaN, is PFRONT_NOT_UNIT: normalise it first.
 /// One within that is taken as it is.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_pose_from_rotation_translation(
+#[entry]
+fn pfront_pose_from_rotation_translation(
+    call: &mut Call<'_>,
     rotation: *const f32,
     translation: *const f32,
     pose: *mut pfront_pose_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"pose", pose)?;
-        let rotation: [f32; 4] = call.get(c"rotation", rotation.cast())?;
-        let translation: [f32; 3] = call.get(c"translation", translation.cast())?;
-        let square: f64 = rotation.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
-        // Nor is NaN within it.
-        let is_unit = (square - 1.0).abs() <= OFF_UNIT;
-        if !is_unit {
-            return Err(Fault::of(PFRONT_NOT_UNIT, c"rotation"));
-        }
-        out.set(Pose::from_rotation_translation(rotation, translation).into());
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"pose", pose)?;
+    let rotation: [f32; 4] = call.get(c"rotation", rotation.cast())?;
+    let translation: [f32; 3] = call.get(c"translation", translation.cast())?;
+    let square: f64 = rotation.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+    // Nor is NaN within it.
+    let is_unit = (square - 1.0).abs() <= OFF_UNIT;
+    if !is_unit {
+        return Err(Fault::of(PFRONT_NOT_UNIT, c"rotation"));
+    }
+    out.set(Pose::from_rotation_translation(rotation, translation).into());
+    Ok(())
 }
 
 /// Makes the pose that takes every point back, computed in f64 and rounded once. `inverse` may be `pose` itself.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_pose_inverse(
+#[entry]
+fn pfront_pose_inverse(
+    call: &mut Call<'_>,
     pose: *const pfront_pose_t,
     inverse: *mut pfront_pose_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, pose) = (call.out(c"inverse", inverse)?, call.get(c"pose", pose)?);
-        let inverse = pose.pose().inverse().ok_or(Fault::of(PFRONT_NO_INVERSE, c"pose"))?;
-        out.set(inverse.into());
-        Ok(())
-    })
+) -> Done {
+    let (out, pose) = (call.out(c"inverse", inverse)?, call.get(c"pose", pose)?);
+    let inverse = pose.pose().inverse().ok_or(Fault::of(PFRONT_NO_INVERSE, c"pose"))?;
+    out.set(inverse.into());
+    Ok(())
 }
 
 /// Makes the product `a_from_c = a_from_b * b_from_c`: the pose on the right comes first. Computed in f64 and rounded
 /// once. `a_from_c` may be one of the others.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_pose_multiply(
+#[entry]
+fn pfront_pose_multiply(
+    call: &mut Call<'_>,
     a_from_b: *const pfront_pose_t,
     b_from_c: *const pfront_pose_t,
     a_from_c: *mut pfront_pose_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"a_from_c", a_from_c)?;
-        let (left, right) = (call.get(c"a_from_b", a_from_b)?, call.get(c"b_from_c", b_from_c)?);
-        out.set((left.pose() * right.pose()).into());
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"a_from_c", a_from_c)?;
+    let (left, right) = (call.get(c"a_from_b", a_from_b)?, call.get(c"b_from_c", b_from_c)?);
+    out.set((left.pose() * right.pose()).into());
+    Ok(())
 }

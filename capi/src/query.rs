@@ -1,22 +1,14 @@
 //! Queries: two meshes or one, and which pairs count.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::bvh::pfront_bvh_t;
-use crate::memory::{Call, Caller};
+use crate::memory::{Call, Done};
 use crate::one_ring::pfront_history_bound;
 use crate::pose::pfront_pose_t;
-use crate::status::pfront_status_t::{self, *};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::*;
 use core::ffi::CStr;
 use core::ptr::null;
+use pfront_capi_entry::entry;
 use pfront_core::Bvh;
 use pfront_core::bvtt::{AnyBvtt, PairBvtt, PosedBvh, SelfBvtt};
 use pfront_core::one_ring::{Certified, OneRings};
@@ -122,11 +114,7 @@ impl Side {
     }
 
     /// The query of two of them.
-    fn ask(
-        [a, b]: [Self; 2],
-        query: *mut pfront_query_t,
-        call: &mut Call<'_>,
-    ) -> Result<(), Fault> {
+    fn ask([a, b]: [Self; 2], query: *mut pfront_query_t, call: &mut Call<'_>) -> Done {
         let out = call.out(c"query", query)?;
         let ((a, frame_from_a), (b, frame_from_b)) = (a.placed(call)?, b.placed(call)?);
         let rule = pfront_rule_t::PFRONT_SHARED_INDEX as u32;
@@ -139,80 +127,71 @@ impl Side {
 }
 
 /// Asks which triangles of `a` meet which of `b`, posed by `a_from_b`. The frame is that of a, and so are contacts.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_pair(
+#[entry]
+fn pfront_query_pair(
+    call: &mut Call<'_>,
     a: *const pfront_bvh_t,
     b: *const pfront_bvh_t,
     a_from_b: *const pfront_pose_t,
     query: *mut pfront_query_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let a = Side { bvh: a, pose: &pfront_pose_t::IDENTITY, names: [c"a"; 2] };
-        let b = Side { bvh: b, pose: a_from_b, names: [c"b", c"a_from_b"] };
-        Side::ask([a, b], query, call)
-    })
+) -> Done {
+    let a = Side { bvh: a, pose: &pfront_pose_t::IDENTITY, names: [c"a"; 2] };
+    let b = Side { bvh: b, pose: a_from_b, names: [c"b", c"a_from_b"] };
+    Side::ask([a, b], query, call)
 }
 
 /// Asks which triangles of `a` meet which of `b`, both posed into a third frame. The choice of a frame changes how
 /// vertices are rounded, and so what is found.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_world(
+#[entry]
+fn pfront_query_world(
+    call: &mut Call<'_>,
     a: *const pfront_bvh_t,
     world_from_a: *const pfront_pose_t,
     b: *const pfront_bvh_t,
     world_from_b: *const pfront_pose_t,
     query: *mut pfront_query_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let a = Side { bvh: a, pose: world_from_a, names: [c"a", c"world_from_a"] };
-        let b = Side { bvh: b, pose: world_from_b, names: [c"b", c"world_from_b"] };
-        Side::ask([a, b], query, call)
-    })
+) -> Done {
+    let a = Side { bvh: a, pose: world_from_a, names: [c"a", c"world_from_a"] };
+    let b = Side { bvh: b, pose: world_from_b, names: [c"b", c"world_from_b"] };
+    Side::ask([a, b], query, call)
 }
 
 /// Asks which triangles of one mesh meet each other, each unordered pair once. `history`, which may be null, is that of
 /// `pfront_one_rings_link` for the same triangles, with `PFRONT_HISTORY_BOUND` words. It changes no answer but makes most
 /// neighbours cheap: it is certified for the positions of the mesh here, in O(vertices + triangles), and must last as
 /// long as the query. `rule` is a `pfront_rule_t`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_self(
+#[entry]
+fn pfront_query_self(
+    call: &mut Call<'_>,
     bvh: *const pfront_bvh_t,
     history: *mut u32,
     rule: u32,
     query: *mut pfront_query_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, bvh) = (call.out(c"query", query)?, call.get(c"bvh", bvh)?);
-        let (frame_from_a, frame_from_b) = (pfront_pose_t::IDENTITY, pfront_pose_t::IDENTITY);
-        let words = match history.is_null() {
-            true => 0,
-            false => pfront_history_bound(bvh.mesh.vertex_count, bvh.mesh.triangle_count),
-        };
-        let words = call.write(c"history", history, words)?;
-        let mut query = pfront_query_t {
-            seal: SELF,
-            rule,
-            a: bvh,
-            b: bvh,
-            frame_from_a,
-            frame_from_b,
-            history: null(),
-        };
-        query.asked(call)?;
-        if !words.is_empty() {
-            let mesh = bvh.view(call, c"bvh")?.mesh();
-            let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-            let mut rings = OneRings::new_unchecked(vertices, triangles, words);
-            rings.certify(mesh, None);
-            query.history = history;
-        }
-        out.set(query);
-        Ok(())
-    })
+) -> Done {
+    let (out, bvh) = (call.out(c"query", query)?, call.get(c"bvh", bvh)?);
+    let (frame_from_a, frame_from_b) = (pfront_pose_t::IDENTITY, pfront_pose_t::IDENTITY);
+    let words = match history.is_null() {
+        true => 0,
+        false => pfront_history_bound(bvh.mesh.vertex_count, bvh.mesh.triangle_count),
+    };
+    let words = call.write(c"history", history, words)?;
+    let mut query = pfront_query_t {
+        seal: SELF,
+        rule,
+        a: bvh,
+        b: bvh,
+        frame_from_a,
+        frame_from_b,
+        history: null(),
+    };
+    query.asked(call)?;
+    if !words.is_empty() {
+        let mesh = bvh.view(call, c"bvh")?.mesh();
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
+        let mut rings = OneRings::new_unchecked(vertices, triangles, words);
+        rings.certify(mesh, None);
+        query.history = history;
+    }
+    out.set(query);
+    Ok(())
 }

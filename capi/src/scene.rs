@@ -4,30 +4,21 @@
 //! it, and what it keeps of bodies that stand still. There is one such scene, in Rust, and this is a thin layer over it,
 //! which is why it needs the standard library.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 mod bodies;
 mod hits;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
 use crate::executor::{OwnExecutor, pfront_executor_t};
-use crate::memory::{Call, Caller, Handle};
+use crate::memory::{Call, Done, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
-use crate::status::pfront_status_t;
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
 pub use bodies::*;
 use core::ffi::c_void;
 use core::ptr::null;
 pub use hits::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
+use pfront_capi_entry::entry;
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 /// Another one is refused: PFRONT_BUSY.
@@ -69,164 +60,128 @@ fn usable<'c>(call: &mut Call<'c>, scene: *mut pfront_scene_t) -> Result<&'c mut
 /// A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
 /// call can be made again. After PFRONT_DAMAGED a scene can only be freed. A child of fork may use a scene whose executor has
 /// neither threads nor a GPU; any other one is PFRONT_FORKED there, and can only be freed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_create(
+#[entry]
+fn pfront_scene_create(
+    call: &mut Call<'_>,
     executor: *const pfront_executor_t,
     scene: *mut *mut pfront_scene_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, own) = (call.out(c"scene", scene)?, OwnExecutor::of(call, executor)?);
-        let query = SceneQuery::new().on(&own.executor);
-        out.set(Call::boxed(Scene {
-            query,
-            own,
-            hits: Vec::new(),
-            contacts: Vec::new(),
-            contacts_f64: Vec::new(),
-            body_pairs: Vec::new(),
-            bodies: Vec::new(),
-            pieces: Vec::new(),
-            positions: Vec::new(),
-        })?);
-        Ok(())
-    })
+) -> Done {
+    let (out, own) = (call.out(c"scene", scene)?, OwnExecutor::of(call, executor)?);
+    let query = SceneQuery::new().on(&own.executor);
+    out.set(Call::boxed(Scene {
+        query,
+        own,
+        hits: Vec::new(),
+        contacts: Vec::new(),
+        contacts_f64: Vec::new(),
+        body_pairs: Vec::new(),
+        bodies: Vec::new(),
+        pieces: Vec::new(),
+        positions: Vec::new(),
+    })?);
+    Ok(())
 }
 
 /// The scene is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
 /// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_within(
-    scene: *mut pfront_scene_t,
-    distance: f32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = call.owned(c"scene", scene)?;
-        scene.own.check(c"scene")?;
-        Ok(scene.query.within(distance)?)
-    })
+#[entry]
+fn pfront_scene_within(call: &mut Call<'_>, scene: *mut pfront_scene_t, distance: f32) -> Done {
+    let scene = call.owned(c"scene", scene)?;
+    scene.own.check(c"scene")?;
+    Ok(scene.query.within(distance)?)
 }
 
 /// Frees a scene and all that it has handed out; null is fine. Models stay. PFRONT_BUSY if another thread is inside a call with
 /// it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_free(
-    scene: *mut pfront_scene_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| call.free(c"scene", scene))
+#[entry]
+fn pfront_scene_free(call: &mut Call<'_>, scene: *mut pfront_scene_t) -> Done {
+    call.free(c"scene", scene)
 }
 
 /// Adds a body: a model, which many bodies may share, in the pose `world_from_body`. `body` names it for good:
 /// numbers are never used again, and they ascend in the order of adding.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_add(
+#[entry]
+fn pfront_scene_add(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     model: *const pfront_model_t,
     world_from_body: *const pfront_pose_t,
     body: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, scene) = (call.out(c"body", body)?, usable(call, scene)?);
-        let model = call.shared(c"model", model)?.clone();
-        let pose = call.get(c"world_from_body", world_from_body)?.pose();
-        out.set(scene.query.add(model, pose)?.to_bits());
-        Ok(())
-    })
+) -> Done {
+    let (out, scene) = (call.out(c"body", body)?, usable(call, scene)?);
+    let model = call.shared(c"model", model)?.clone();
+    let pose = call.get(c"world_from_body", world_from_body)?.pose();
+    out.set(scene.query.add(model, pose)?.to_bits());
+    Ok(())
 }
 
 /// Takes a body out.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_remove(
-    scene: *mut pfront_scene_t,
-    body: u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        usable(call, scene)?.query.remove(BodyId::from_bits(body))?;
-        Ok(())
-    })
+#[entry]
+fn pfront_scene_remove(call: &mut Call<'_>, scene: *mut pfront_scene_t, body: u64) -> Done {
+    usable(call, scene)?.query.remove(BodyId::from_bits(body))?;
+    Ok(())
 }
 
 /// Moves a body to the pose `world_from_body`. If that is the pose it has, the body counts as one that stands still,
 /// which costs nothing in the next frame.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_pose(
+#[entry]
+fn pfront_scene_set_pose(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     world_from_body: *const pfront_pose_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = usable(call, scene)?;
-        let pose = call.get(c"world_from_body", world_from_body)?.pose();
-        Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
-    })
+) -> Done {
+    let scene = usable(call, scene)?;
+    let pose = call.get(c"world_from_body", world_from_body)?.pose();
+    Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
 }
 
 /// `pfront_scene_set_pose` with a pose in f64, in which the body is then asked about, whatever the other one. A body that
 /// is to have one from the start is added with PFRONT_POSE_IDENTITY first.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_pose_f64(
+#[entry]
+fn pfront_scene_set_pose_f64(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     world_from_body: *const pfront_pose64_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = usable(call, scene)?;
-        let pose = Pose64::new(call.get(c"world_from_body", world_from_body)?.rows);
-        Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
-    })
+) -> Done {
+    let scene = usable(call, scene)?;
+    let pose = Pose64::new(call.get(c"world_from_body", world_from_body)?.rows);
+    Ok(scene.query.set_pose(BodyId::from_bits(body), pose)?)
 }
 
 /// Moves the vertices of a body, given in its own frame: as many as its model has, `stride` bytes apart, where 0 stands
 /// for 12. From then on the body has a model of its own. In O(vertices + triangles).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_positions(
+#[entry]
+fn pfront_scene_set_positions(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     positions: *const c_void,
     vertex_count: usize,
     stride: usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = usable(call, scene)?;
-        let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
-        resize(&mut scene.positions, buffers.words()?[0] / 3)?;
-        let positions = buffers.positions(call, &mut scene.positions)?;
-        Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
-    })
+) -> Done {
+    let scene = usable(call, scene)?;
+    let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
+    resize(&mut scene.positions, buffers.words()?[0] / 3)?;
+    let positions = buffers.positions(call, &mut scene.positions)?;
+    Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
 }
 
 /// `pfront_scene_set_positions` of a body whose model is in f64, of positions in double: 0 stands for 24.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_positions_f64(
+#[entry]
+fn pfront_scene_set_positions_f64(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     positions: *const c_void,
     vertex_count: usize,
     stride: usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let scene = usable(call, scene)?;
-        let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
-        let (positions, _) = buffers.copies(call)?;
-        Ok(scene.query.set_positions::<f64>(BodyId::from_bits(body), &positions)?)
-    })
+) -> Done {
+    let scene = usable(call, scene)?;
+    let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
+    let (positions, _) = buffers.copies(call)?;
+    Ok(scene.query.set_positions::<f64>(BodyId::from_bits(body), &positions)?)
 }
 
 /// Buffers without triangles.
@@ -243,26 +198,19 @@ fn vertices(positions: *const c_void, vertex_count: usize, stride: usize) -> pfr
 
 /// Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group
 /// that the other's filter lets through. All bits are set at first.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_groups(
+#[entry]
+fn pfront_scene_set_groups(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     memberships: u32,
     filter: u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let groups = Groups { memberships, filter };
-        set_options(&mut usable(call, scene)?.query, body, |options| options.groups = groups)
-    })
+) -> Done {
+    let groups = Groups { memberships, filter };
+    set_options(&mut usable(call, scene)?.query, body, |options| options.groups = groups)
 }
 
-fn set_options(
-    query: &mut SceneQuery,
-    body: u64,
-    set: impl FnOnce(&mut BodyOptions),
-) -> Result<(), Fault> {
+fn set_options(query: &mut SceneQuery, body: u64, set: impl FnOnce(&mut BodyOptions)) -> Done {
     let body = BodyId::from_bits(body);
     let mut options = query.body(body)?.options();
     set(&mut options);
@@ -271,63 +219,51 @@ fn set_options(
 
 /// Asks with all else whether a body meets itself, as cloth does, by the rule of `pfront_query_self`; or no longer, if `asked` is
 /// 0. A hit of it has the same body twice.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_ask_itself(
+#[entry]
+fn pfront_scene_ask_itself(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     asked: u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let itself = (asked != 0).then(Adjacency::default);
-        set_options(&mut usable(call, scene)?.query, body, |options| options.itself = itself)
-    })
+) -> Done {
+    let itself = (asked != 0).then(Adjacency::default);
+    set_options(&mut usable(call, scene)?.query, body, |options| options.itself = itself)
 }
 
 /// Ignores two bodies, as the links of a joint that overlap by design; or no longer, if `ignored` is 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_ignore(
+#[entry]
+fn pfront_scene_ignore(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     a: u64,
     b: u64,
     ignored: u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let query = &mut usable(call, scene)?.query;
-        Ok(query.ignore(BodyId::from_bits(a), BodyId::from_bits(b), ignored != 0)?)
-    })
+) -> Done {
+    let query = &mut usable(call, scene)?.query;
+    Ok(query.ignore(BodyId::from_bits(a), BodyId::from_bits(b), ignored != 0)?)
 }
 
 /// Keeps a number of the caller's with a body, such as the index of an entity; it is 0 at first.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_set_user_data(
+#[entry]
+fn pfront_scene_set_user_data(
+    call: &mut Call<'_>,
     scene: *mut pfront_scene_t,
     body: u64,
     user_data: u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        set_options(&mut usable(call, scene)?.query, body, |options| options.user_data = user_data)
-    })
+) -> Done {
+    set_options(&mut usable(call, scene)?.query, body, |options| options.user_data = user_data)
 }
 
 /// Tells the number that is kept with a body.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_scene_user_data(
+#[entry]
+fn pfront_scene_user_data(
+    call: &mut Call<'_>,
     scene: *const pfront_scene_t,
     body: u64,
     user_data: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"user_data", user_data)?;
-        let query = &call.shared(c"scene", scene)?.query;
-        out.set(query.body(BodyId::from_bits(body))?.options().user_data);
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"user_data", user_data)?;
+    let query = &call.shared(c"scene", scene)?.query;
+    out.set(query.body(BodyId::from_bits(body))?.options().user_data);
+    Ok(())
 }

@@ -4,6 +4,7 @@ mod fault;
 
 use core::ffi::{CStr, c_char};
 pub(crate) use fault::Fault;
+use pfront_capi_entry::entry;
 
 /// The result of a call. All but PFRONT_OK are errors: then no structure was made or changed, and what arrays hold that were
 /// to be written is anyone's guess.
@@ -112,9 +113,8 @@ pub struct pfront_error_t {
 }
 
 /// The meaning of an error code, in a sentence without numbers. Takes any number; the string lives for ever.
-#[unsafe(no_mangle)]
-#[expect(unsafe_code, reason = "C finds functions by name")]
-pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
+#[entry]
+fn pfront_error_text(status: u32) -> *const c_char {
     const TEXTS: [&CStr; 39] = [
         c"done",
         c"a pointer is null",
@@ -160,9 +160,8 @@ pub extern "C" fn pfront_error_text(status: u32) -> *const c_char {
 }
 
 /// The version of the library, as in "0.1.0". The string lives for ever.
-#[unsafe(no_mangle)]
-#[expect(unsafe_code, reason = "C finds functions by name")]
-pub extern "C" fn pfront_version() -> *const c_char {
+#[entry]
+fn pfront_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
     VERSION.as_ptr().cast()
 }

@@ -1,24 +1,15 @@
 //! Questions about models, frame by frame or many at once.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::executor::{OwnExecutor, pfront_executor_t};
-use crate::memory::{Call, Caller, Handle};
+use crate::memory::{Call, Done, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
-use crate::scene::replace;
-use crate::status::pfront_status_t::{self, PFRONT_NULL};
-use crate::status::{Fault, pfront_error_t};
+use crate::status::Fault;
+use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
 use pfront::{Adjacency, AnyPose, Batch, Error, Model, PairQuery, Pose64, SelfQuery, TrianglePair};
+use pfront_capi_entry::entry;
 use std::mem::take;
 use std::sync::Arc;
 
@@ -109,60 +100,50 @@ pub struct pfront_model_contact_t {
 
 /// Makes a query that asks `executor`, or the calling thread if that is null. It keeps its last answer, and what its frames
 /// took: use one for each series of frames that resemble each other.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_create(
+#[entry]
+fn pfront_model_query_create(
+    call: &mut Call<'_>,
     executor: *const pfront_executor_t,
     query: *mut *mut pfront_model_query_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, own) = (call.out(c"query", query)?, OwnExecutor::of(call, executor)?);
-        let within = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours]
-            .map(|rule| SelfQuery::new().with_adjacency(rule).on(&own.executor));
-        let pair = PairQuery::new().on(&own.executor);
-        out.set(Call::boxed(ModelQuery {
-            own,
-            pair,
-            within,
-            pairs: Vec::new(),
-            contacts: Vec::new(),
-        })?);
-        Ok(())
-    })
+) -> Done {
+    let (out, own) = (call.out(c"query", query)?, OwnExecutor::of(call, executor)?);
+    let within = [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours]
+        .map(|rule| SelfQuery::new().with_adjacency(rule).on(&own.executor));
+    let pair = PairQuery::new().on(&own.executor);
+    out.set(Call::boxed(ModelQuery {
+        own,
+        pair,
+        within,
+        pairs: Vec::new(),
+        contacts: Vec::new(),
+    })?);
+    Ok(())
 }
 
 /// Frees a query and all that it has handed out; null is fine. PFRONT_BUSY if another thread is inside a call with it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_free(
-    query: *mut pfront_model_query_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| call.free(c"query", query))
+#[entry]
+fn pfront_model_query_free(call: &mut Call<'_>, query: *mut pfront_model_query_t) -> Done {
+    call.free(c"query", query)
 }
 
 /// The query is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
 /// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect, and triangles of one mesh that
 /// share a vertex are asked about as `rule` says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_within(
+#[entry]
+fn pfront_model_query_within(
+    call: &mut Call<'_>,
     query: *mut pfront_model_query_t,
     distance: f32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let query = call.owned(c"query", query)?;
-        query.own.check(c"query")?;
-        // A distance that is refused leaves the queries as they are.
-        PairQuery::new().within(distance)?;
-        query.pair = take(&mut query.pair).within(distance)?;
-        for own in &mut query.within {
-            *own = take(own).within(distance)?;
-        }
-        Ok(())
-    })
+) -> Done {
+    let query = call.owned(c"query", query)?;
+    query.own.check(c"query")?;
+    // A distance that is refused leaves the queries as they are.
+    PairQuery::new().within(distance)?;
+    query.pair = take(&mut query.pair).within(distance)?;
+    for own in &mut query.within {
+        *own = take(own).within(distance)?;
+    }
+    Ok(())
 }
 
 /// A query in the process that it belongs to, and what it is asked about.
@@ -185,104 +166,81 @@ fn of_rule(within: &mut [SelfQuery; 2], rule: Adjacency) -> &mut SelfQuery {
 
 /// Finds all pairs of triangles of a subject that meet: `count` of them in `pairs`, sorted. They belong to the query and are good
 /// until this is called again, or the query is freed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_all(
+#[entry]
+fn pfront_model_query_all(
+    call: &mut Call<'_>,
     query: *mut pfront_model_query_t,
     subject: *const pfront_subject_t,
     pairs: *mut *const pfront_pair_t,
     count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, out_count) = (call.out(c"pairs", pairs)?, call.out(c"count", count)?);
-        let (ModelQuery { pair, within, pairs, .. }, subject) = asked(call, query, subject)?;
-        let found = match &subject {
-            Subject::Pair(a, b, pose) => pair.all(a, b, pose).map_err(fault)?,
-            Subject::Itself(a, rule) => of_rule(within, *rule).all(a).map_err(fault)?,
-        };
-        let for_c = |&TrianglePair { a, b }: &_| pfront_pair_t { a, b };
-        replace(pairs, found.len(), found.iter().map(for_c))?;
-        out.set(pairs.as_ptr());
-        out_count.set(pairs.len());
-        Ok(())
-    })
+) -> Done {
+    let out = call.out_array(c"pairs", pairs, count)?;
+    let (ModelQuery { pair, within, pairs, .. }, subject) = asked(call, query, subject)?;
+    let found = match &subject {
+        Subject::Pair(a, b, pose) => pair.all(a, b, pose).map_err(fault)?,
+        Subject::Itself(a, rule) => of_rule(within, *rule).all(a).map_err(fault)?,
+    };
+    let for_c = |&TrianglePair { a, b }: &_| pfront_pair_t { a, b };
+    out.set(pairs, found.iter().map(for_c))
 }
 
 /// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_any(
+#[entry]
+fn pfront_model_query_any(
+    call: &mut Call<'_>,
     query: *mut pfront_model_query_t,
     subject: *const pfront_subject_t,
     pair: *mut pfront_pair_t,
     found: *mut u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
-        let (query, subject) = asked(call, query, subject)?;
-        let some = match &subject {
-            Subject::Pair(a, b, pose) => query.pair.any(a, b, pose).map_err(fault)?,
-            Subject::Itself(a, rule) => of_rule(&mut query.within, *rule).any(a).map_err(fault)?,
-        };
-        is_found.set(some.is_some().into());
-        if let Some(TrianglePair { a, b }) = some {
-            out.set(pfront_pair_t { a, b });
-        }
-        Ok(())
-    })
+) -> Done {
+    let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
+    let (query, subject) = asked(call, query, subject)?;
+    let some = match &subject {
+        Subject::Pair(a, b, pose) => query.pair.any(a, b, pose).map_err(fault)?,
+        Subject::Itself(a, rule) => of_rule(&mut query.within, *rule).any(a).map_err(fault)?,
+    };
+    out.set_some(is_found, some.map(pfront_pair_t::from));
+    Ok(())
 }
 
 /// Tells how many pairs meet.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_count(
+#[entry]
+fn pfront_model_query_count(
+    call: &mut Call<'_>,
     query: *mut pfront_model_query_t,
     subject: *const pfront_subject_t,
     count: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"count", count)?;
-        let (query, subject) = asked(call, query, subject)?;
-        out.set(match &subject {
-            Subject::Pair(a, b, pose) => query.pair.count(a, b, pose).map_err(fault)?,
-            Subject::Itself(a, rule) => {
-                of_rule(&mut query.within, *rule).count(a).map_err(fault)?
-            }
-        });
-        Ok(())
-    })
+) -> Done {
+    let out = call.out(c"count", count)?;
+    let (query, subject) = asked(call, query, subject)?;
+    out.set(match &subject {
+        Subject::Pair(a, b, pose) => query.pair.count(a, b, pose).map_err(fault)?,
+        Subject::Itself(a, rule) => of_rule(&mut query.within, *rule).count(a).map_err(fault)?,
+    });
+    Ok(())
 }
 
 /// `pfront_model_query_all` that also tells where they meet. `contacts` belongs to the query and is good until this is called again,
 /// or the query is freed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_model_query_contacts(
+#[entry]
+fn pfront_model_query_contacts(
+    call: &mut Call<'_>,
     query: *mut pfront_model_query_t,
     subject: *const pfront_subject_t,
     contacts: *mut *const pfront_model_contact_t,
     count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, out_count) = (call.out(c"contacts", contacts)?, call.out(c"count", count)?);
-        let (ModelQuery { pair, within, contacts, .. }, subject) = asked(call, query, subject)?;
-        let found = match &subject {
-            Subject::Pair(a, b, pose) => pair.contacts(a, b, pose).map_err(fault)?,
-            Subject::Itself(a, rule) => of_rule(within, *rule).contacts(a).map_err(fault)?,
-        };
-        let for_c = |&(TrianglePair { a, b }, contact): &(_, _)| pfront_model_contact_t {
-            pair: pfront_pair_t { a, b },
-            contact: Some(contact).into(),
-        };
-        replace(contacts, found.len(), found.iter().map(for_c))?;
-        out.set(contacts.as_ptr());
-        out_count.set(contacts.len());
-        Ok(())
-    })
+) -> Done {
+    let out = call.out_array(c"contacts", contacts, count)?;
+    let (ModelQuery { pair, within, contacts, .. }, subject) = asked(call, query, subject)?;
+    let found = match &subject {
+        Subject::Pair(a, b, pose) => pair.contacts(a, b, pose).map_err(fault)?,
+        Subject::Itself(a, rule) => of_rule(within, *rule).contacts(a).map_err(fault)?,
+    };
+    let for_c = |&(TrianglePair { a, b }, contact): &(_, _)| pfront_model_contact_t {
+        pair: pfront_pair_t { a, b },
+        contact: Some(contact).into(),
+    };
+    out.set(contacts, found.iter().map(for_c))
 }
 
 /// The executor and the questions of a batch.
@@ -310,44 +268,38 @@ fn batch(
 /// Finds for each of `subject_count` subjects some pair that meets: `found[i]` is 1 if there is one, else 0 and `pairs[i]` is not
 /// written. Where that pays, all threads of `executor` work on them, or its GPU; null stands for the calling thread. A subject at
 /// fault is `index` of the error.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_batch_any(
+#[entry]
+fn pfront_batch_any(
+    call: &mut Call<'_>,
     executor: *const pfront_executor_t,
     subjects: *const pfront_subject_t,
     subject_count: usize,
     pairs: *mut pfront_pair_t,
     found: *mut u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let pairs = call.write(c"pairs", pairs.cast::<TrianglePair>(), subject_count)?;
-        let found = call.write(c"found", found, subject_count)?;
-        let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
-        let answers = batch.any(&own.executor).and_then(|ticket| ticket.read())?;
-        for ((answer, pair), found) in answers.iter().zip(pairs).zip(found) {
-            *found = answer.is_some().into();
-            answer.iter().for_each(|&some| *pair = some);
-        }
-        Ok(())
-    })
+) -> Done {
+    let pairs = call.write(c"pairs", pairs.cast::<TrianglePair>(), subject_count)?;
+    let found = call.write(c"found", found, subject_count)?;
+    let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
+    let answers = batch.any(&own.executor).and_then(|ticket| ticket.read())?;
+    for ((answer, pair), found) in answers.iter().zip(pairs).zip(found) {
+        *found = answer.is_some().into();
+        answer.iter().for_each(|&some| *pair = some);
+    }
+    Ok(())
 }
 
 /// Tells for each of `subject_count` subjects how many pairs meet. All else is as for `pfront_batch_any`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_batch_count(
+#[entry]
+fn pfront_batch_count(
+    call: &mut Call<'_>,
     executor: *const pfront_executor_t,
     subjects: *const pfront_subject_t,
     subject_count: usize,
     counts: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let counts = call.write(c"counts", counts, subject_count)?;
-        let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
-        let answers = batch.count(&own.executor).and_then(|ticket| ticket.read())?;
-        counts.iter_mut().zip(answers).for_each(|(count, answer)| *count = answer);
-        Ok(())
-    })
+) -> Done {
+    let counts = call.write(c"counts", counts, subject_count)?;
+    let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
+    let answers = batch.count(&own.executor).and_then(|ticket| ticket.read())?;
+    counts.iter_mut().zip(answers).for_each(|(count, answer)| *count = answer);
+    Ok(())
 }

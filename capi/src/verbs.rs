@@ -1,20 +1,12 @@
 //! Questions answered.
 
-#![expect(
-    unsafe_code,
-    reason = "C finds functions by name, and keeps to the contract of the header"
-)]
-#![expect(
-    clippy::missing_safety_doc,
-    reason = "the header has the contract, once for all functions"
-)]
-
 use crate::cursor::{on_walk, pfront_cursor_t};
-use crate::memory::Caller;
+use crate::memory::{Call, Done};
 use crate::query::pfront_query_t;
-use crate::status::{Fault, pfront_error_t, pfront_status_t};
+use crate::status::Fault;
 use core::mem::offset_of;
 use core::ops::ControlFlow::{Break, Continue};
+use pfront_capi_entry::entry;
 use pfront_core::bvtt::{Query, TrianglePair};
 use pfront_core::triangle::Contact;
 
@@ -28,6 +20,12 @@ pub struct pfront_pair_t {
     pub b: u32,
 }
 
+impl From<TrianglePair> for pfront_pair_t {
+    fn from(TrianglePair { a, b }: TrianglePair) -> Self {
+        Self { a, b }
+    }
+}
+
 const _: () = {
     assert!(size_of::<pfront_pair_t>() == size_of::<TrianglePair>());
     assert!(align_of::<pfront_pair_t>() == align_of::<TrianglePair>());
@@ -39,85 +37,79 @@ const _: () = {
 ///
 /// The order is fixed for given BVHs, and otherwise arbitrary: sort the whole by a, then b, for a list that does not
 /// depend on how BVHs were built. Takes up to 29 KiB of stack.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_page(
+#[entry]
+fn pfront_query_page(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
     page: *mut pfront_pair_t,
     capacity: usize,
     count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { pfront_query_step(query, cursor, u64::MAX, page, capacity, count, error) }
+) -> Done {
+    step(call, query, cursor, u64::MAX, (page, capacity, count))
 }
 
 /// `pfront_query_page` that also stops after `budget` + 16 box and triangle tests at most, to spread a query over
 /// frames. Pages may be empty then; with a budget of 0 nothing is done.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_step(
+#[entry]
+fn pfront_query_step(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     cursor: *mut pfront_cursor_t,
     budget: u64,
     page: *mut pfront_pair_t,
     capacity: usize,
     count: *mut usize,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let out = call.out(c"count", count)?;
-        Fault::room(c"page", capacity, 1)?;
-        let page = call.write(c"page", page.cast::<TrianglePair>(), capacity)?;
-        let (query, asked, cursor) = on_walk(call, query, cursor)?;
-        let mut free = page.iter_mut();
-        // Whether it broke or ended, the cursor knows.
-        let _ = cursor.go_on(&query, |cursor| {
-            asked.step(cursor, budget, |pair| {
-                if let Some(slot) = free.next() {
-                    *slot = pair;
-                }
-                if free.len() == 0 { Break(()) } else { Continue(()) }
-            })
-        })?;
-        out.set(capacity - free.len());
-        Ok(())
-    })
+) -> Done {
+    step(call, query, cursor, budget, (page, capacity, count))
+}
+
+/// Fills a page, of which C gives the first element, the capacity, and where its count goes.
+fn step(
+    call: &mut Call<'_>,
+    query: *const pfront_query_t,
+    cursor: *mut pfront_cursor_t,
+    budget: u64,
+    (page, capacity, count): (*mut pfront_pair_t, usize, *mut usize),
+) -> Done {
+    let out = call.out(c"count", count)?;
+    Fault::room(c"page", capacity, 1)?;
+    let page = call.write(c"page", page.cast::<TrianglePair>(), capacity)?;
+    let (query, asked, cursor) = on_walk(call, query, cursor)?;
+    let mut free = page.iter_mut();
+    // Whether it broke or ended, the cursor knows.
+    let _ = cursor.go_on(&query, |cursor| {
+        asked.step(cursor, budget, |pair| {
+            if let Some(slot) = free.next() {
+                *slot = pair;
+            }
+            if free.len() == 0 { Break(()) } else { Continue(()) }
+        })
+    })?;
+    out.set(capacity - free.len());
+    Ok(())
 }
 
 /// Tells how many pairs meet.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_count(
-    query: *const pfront_query_t,
-    count: *mut u64,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, query) = (call.out(c"count", count)?, call.get(c"query", query)?);
-        out.set(query.asked(call)?.count());
-        Ok(())
-    })
+#[entry]
+fn pfront_query_count(call: &mut Call<'_>, query: *const pfront_query_t, count: *mut u64) -> Done {
+    let (out, query) = (call.out(c"count", count)?, call.get(c"query", query)?);
+    out.set(query.asked(call)?.count());
+    Ok(())
 }
 
 /// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_any(
+#[entry]
+fn pfront_query_any(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     pair: *mut pfront_pair_t,
     found: *mut u32,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
-        let some = call.get(c"query", query)?.asked(call)?.any();
-        is_found.set(some.is_some().into());
-        if let Some(TrianglePair { a, b }) = some {
-            out.set(pfront_pair_t { a, b });
-        }
-        Ok(())
-    })
+) -> Done {
+    let (out, is_found) = (call.out(c"pair", pair)?, call.out(c"found", found)?);
+    let some = call.get(c"query", query)?.asked(call)?.any();
+    out.set_some(is_found, some.map(pfront_pair_t::from));
+    Ok(())
 }
 
 /// How two triangles meet.
@@ -158,31 +150,28 @@ impl From<Option<Contact>> for pfront_contact_t {
 }
 
 /// Tells where the triangles of each of `count` pairs meet, into as many `contacts`. The pairs need not be of an answer.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn pfront_query_contacts(
+#[entry]
+fn pfront_query_contacts(
+    call: &mut Call<'_>,
     query: *const pfront_query_t,
     pairs: *const pfront_pair_t,
     count: usize,
     contacts: *mut pfront_contact_t,
-    error: *mut pfront_error_t,
-) -> pfront_status_t {
-    // SAFETY: the contract of the header.
-    unsafe { Caller::trusted() }.call(error, |call| {
-        let contacts = call.write(c"contacts", contacts, count)?;
-        let query = call.get(c"query", query)?;
-        let pairs = call.read(c"pairs", pairs.cast::<TrianglePair>(), count)?;
-        let asked = query.asked(call)?;
-        for (index, pair) in pairs.iter().enumerate() {
-            let below = |what, triangle: u32, mesh: &crate::pfront_mesh_t| {
-                let checked = Fault::below(what, triangle as usize, mesh.triangle_count);
-                checked.map_err(|fault| fault.at(index))
-            };
-            below(c"pairs.a", pair.a, &query.a.mesh)?;
-            below(c"pairs.b", pair.b, &query.b.mesh)?;
-        }
-        for (&pair, contact) in pairs.iter().zip(contacts) {
-            *contact = asked.contact(pair).into();
-        }
-        Ok(())
-    })
+) -> Done {
+    let contacts = call.write(c"contacts", contacts, count)?;
+    let query = call.get(c"query", query)?;
+    let pairs = call.read(c"pairs", pairs.cast::<TrianglePair>(), count)?;
+    let asked = query.asked(call)?;
+    for (index, pair) in pairs.iter().enumerate() {
+        let below = |what, triangle: u32, mesh: &crate::pfront_mesh_t| {
+            let checked = Fault::below(what, triangle as usize, mesh.triangle_count);
+            checked.map_err(|fault| fault.at(index))
+        };
+        below(c"pairs.a", pair.a, &query.a.mesh)?;
+        below(c"pairs.b", pair.b, &query.b.mesh)?;
+    }
+    for (&pair, contact) in pairs.iter().zip(contacts) {
+        *contact = asked.contact(pair).into();
+    }
+    Ok(())
 }

@@ -28,10 +28,35 @@ const MODULES: [&str; 20] = [
 
 #[test]
 fn the_header_is_up_to_date() {
+    /// A module after the attribute `entry`, as far as cbindgen reads it.
+    fn exported(source: &str) -> String {
+        let mut functions = source.split("#[entry]\n");
+        let mut exported = functions.next().unwrap().to_owned();
+        for function in functions {
+            let (head, body) = function.split_once(" {\n").unwrap();
+            let head = match head.strip_suffix(") -> Done") {
+                None => head.replacen("fn ", "pub extern \"C\" fn ", 1),
+                Some(head) => {
+                    let (name, parameters) = head.split_once("call: &mut Call<'_>,").unwrap();
+                    let name = name.replacen("fn ", "pub unsafe extern \"C\" fn ", 1);
+                    let comma = if parameters.ends_with('\n') { "" } else { "," };
+                    format!(
+                        "{name}{parameters}{comma} error: *mut pfront_error_t) -> pfront_status_t"
+                    )
+                }
+            };
+            exported += &format!("#[unsafe(no_mangle)]\n{head} {{\n{body}");
+        }
+        exported
+    }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let builder = MODULES.iter().fold(cbindgen::Builder::new(), |builder, module| {
-        builder.with_src(folder.join(format!("src/{module}.rs")))
+        let source = fs::read_to_string(folder.join(format!("src/{module}.rs"))).unwrap();
+        let path = out.join(format!("{}.rs", module.replace('/', "_")));
+        fs::write(&path, exported(&source)).unwrap();
+        builder.with_src(path)
     });
     let mut header = Vec::new();
     let [major, minor, patch] = [

@@ -5,7 +5,7 @@
 //! how many calls are inside. So a call finds a structure that was never made, that was copied byte by byte, that another thread
 //! is inside of, and that was freed, unless its memory has meanwhile become another structure of the same kind.
 
-use super::{Call, addresses};
+use super::{Call, Done, Out, addresses};
 use crate::status::Fault;
 use crate::status::pfront_status_t::{PFRONT_BUSY, PFRONT_NOT_MADE, PFRONT_OUT_OF_MEMORY};
 use core::ffi::CStr;
@@ -51,7 +51,42 @@ impl Drop for Use {
     }
 }
 
+/// Room for so many more.
+pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Done {
+    let bytes = more.saturating_mul(size_of::<T>());
+    let fault = Fault::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(bytes, 0);
+    list.try_reserve(more).map_err(|_| fault)
+}
+
+/// Where an array goes that a structure keeps for C, and its length.
+pub(crate) struct OutArray<T> {
+    first: Out<*const T>,
+    count: Out<usize>,
+}
+
+impl<T> OutArray<T> {
+    /// Replaces what is kept.
+    pub(crate) fn set(self, kept: &mut Vec<T>, with: impl ExactSizeIterator<Item = T>) -> Done {
+        kept.clear();
+        reserve(kept, with.len())?;
+        kept.extend(with);
+        self.first.set(kept.as_ptr());
+        self.count.set(kept.len());
+        Ok(())
+    }
+}
+
 impl<'c> Call<'c> {
+    /// Where the first element of an array goes, and how many there are.
+    pub(crate) fn out_array<T>(
+        &mut self,
+        what: &'static CStr,
+        first: *mut *const T,
+        count: *mut usize,
+    ) -> Result<OutArray<T>, Fault> {
+        Ok(OutArray { first: self.out(what, first)?, count: self.out(c"count", count)? })
+    }
+
     /// A structure for C, which frees it by [`Call::free`].
     pub(crate) fn boxed<T: Handle>(value: T::Value) -> Result<*mut T, Fault> {
         let layout = Layout::new::<Sealed<T::Value>>();
@@ -123,7 +158,7 @@ impl<'c> Call<'c> {
     }
 
     /// Frees a structure, unless it is null.
-    pub(crate) fn free<T: Handle>(&mut self, what: &'static CStr, at: *mut T) -> Result<(), Fault> {
+    pub(crate) fn free<T: Handle>(&mut self, what: &'static CStr, at: *mut T) -> Done {
         if at.is_null() {
             return Ok(());
         }
