@@ -27,6 +27,14 @@ pub enum Error {
         /// The body asked for.
         id: BodyId,
     },
+    /// A question of a batch that asks for distances is about a model and itself.
+    #[error(
+        "question {question} of the batch is about a model and itself, between which there is no distance"
+    )]
+    NotAPair {
+        /// The first such question.
+        question: usize,
+    },
     /// A buffer of the core was too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),

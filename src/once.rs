@@ -1,7 +1,7 @@
 //! Questions that are asked once, on the calling thread, without a query to keep.
 
 use crate::memory::copy;
-use crate::{AnyPose, Error, Model, PairQuery, SelfQuery, TrianglePair};
+use crate::{AnyPose, Error, Gap, Model, PairQuery, SelfQuery, TrianglePair};
 
 /// All intersecting pairs of two models, sorted, the second in the pose `a_from_b`.
 ///
@@ -61,6 +61,23 @@ pub fn any(
 /// ```
 pub fn count(a: &Model, b: &Model, a_from_b: impl Into<AnyPose>) -> Result<u64, Error> {
     PairQuery::new().count(a, b, a_from_b)
+}
+
+/// The smallest distance of two models in the frame of `a`, 0 if they intersect; `None` if one has no triangles.
+///
+/// # Errors
+/// As [`any`].
+///
+/// # Examples
+/// ```
+/// # use pfront::{Model, Pose};
+/// # let model = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let gap = pfront::distance(&model, &model, Pose::IDENTITY)?.expect("both have triangles");
+/// assert_eq!(gap.interval, [0.0; 2]);
+/// # Ok::<(), pfront::Error>(())
+/// ```
+pub fn distance(a: &Model, b: &Model, a_from_b: impl Into<AnyPose>) -> Result<Option<Gap>, Error> {
+    PairQuery::new().distance(a, b, a_from_b)
 }
 
 /// All pairs of triangles of one model that intersect, sorted, `a` before `b`. Vertices and edges that

@@ -4,7 +4,7 @@ use crate::environment::with_default;
 use crate::executor::Plan;
 use crate::subject::Subject;
 use crate::subject_query::SubjectQuery;
-use crate::{AnyPose, Contact, Distance, Error, Executor, Model, TrianglePair};
+use crate::{AnyPose, Contact, Distance, Error, Executor, Gap, Model, TrianglePair};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
@@ -206,6 +206,75 @@ impl PairQuery {
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         let subject = self.subject(a, b, a_from_b)?;
         self.query.contacts_f64(&subject)
+    }
+
+    /// The smallest distance of the two models in the frame of `a`, and where it is; 0 if they intersect, whatever
+    /// [`PairQuery::within`] says. `None` if a model has no triangles. CPUs answer, whatever the executor; the same to the bit, but for
+    /// which of the intersecting pairs is told.
+    ///
+    /// The pair that was nearest in the last frame is tried first.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    ///
+    /// # Complexity
+    /// Time grows with the number of triangles that are about equally near: two dragons of 871,414 triangles, a seventh of their
+    /// width apart, take below 1 ms.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// let a = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut query = PairQuery::new();
+    /// let gap = query.distance(&a, &a, Pose::from_translation([0.0, 0.0, 0.1]))?.expect("both have triangles");
+    /// let [low, high] = gap.interval;
+    /// assert!(low <= f64::from(0.1_f32) && f64::from(0.1_f32) <= high && high - low < 1e-7);
+    /// let [on_a, on_b] = gap.points;
+    /// assert_eq!(on_b[2] - on_a[2], f64::from(0.1_f32));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn distance(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<Option<Gap>, Error> {
+        self.nearest(a, b, a_from_b.into(), None)
+    }
+
+    /// [`PairQuery::distance`], if it is at most `limit`: exactly, and sooner, as all that is farther is left out.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`]; [`Error::Distance`] if the limit is NaN, infinite or negative.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// # let a = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let (mut query, above) = (PairQuery::new(), Pose::from_translation([0.0, 0.0, 0.1]));
+    /// assert!(query.distance_below(&a, &a, above, 0.1)?.is_some());
+    /// assert!(query.distance_below(&a, &a, above, 0.1_f32.next_down())?.is_none());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn distance_below(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+        limit: f32,
+    ) -> Result<Option<Gap>, Error> {
+        self.nearest(a, b, a_from_b.into(), Some(Distance::new(limit)?))
+    }
+
+    fn nearest(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: AnyPose,
+        at_most: Option<Distance>,
+    ) -> Result<Option<Gap>, Error> {
+        let subject = with_default(|| Subject::pair([a, b], a_from_b, Distance::default()))?;
+        self.query.distance(&subject, at_most)
     }
 
     fn subject<'m>(

@@ -6,8 +6,8 @@ use crate::executor::{
     Answer, Backend, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors, Plan, Verb,
 };
 use crate::subject::{Key, Subject};
-use crate::{Contact, Error, Model, Scalar, TrianglePair};
-use pfront_core::bvtt::{AnyBvtt, Query};
+use crate::{Contact, Distance, Error, Model, Scalar, TrianglePair};
+use pfront_core::bvtt::{AnyBvtt, Gap, Query};
 use std::ops::ControlFlow;
 
 /// A pair query or a self query.
@@ -21,6 +21,8 @@ pub(crate) struct SubjectQuery {
     last: Option<(Key, Verb, Answer<TrianglePair>)>,
     /// The subject of `contacts`.
     touched: Option<Key>,
+    /// The nearest pair of the last search for the smallest distance.
+    nearest: Option<TrianglePair>,
 }
 
 impl SubjectQuery {
@@ -64,6 +66,21 @@ impl SubjectQuery {
     /// Some pair that meets.
     pub(crate) fn any(&mut self, subject: &Subject<&Model>) -> Result<Option<TrianglePair>, Error> {
         Ok(with_default(|| self.ask(subject, Verb::Any))?.first)
+    }
+
+    /// The smallest distance of two models, if it is not greater than `at_most`.
+    pub(crate) fn distance(
+        &mut self,
+        subject: &Subject<&Model>,
+        at_most: Option<Distance>,
+    ) -> Result<Option<Gap>, Error> {
+        with_default(|| {
+            // Between a model and itself there is none.
+            let AnyBvtt::Pair(tree) = subject.tree()? else { return Ok(None) };
+            let gap = self.history.distance(&tree, at_most, self.nearest)?;
+            self.nearest = gap.map(|gap| gap.pair).or(self.nearest);
+            Ok(gap)
+        })
     }
 
     /// All pairs that meet, sorted, with where.

@@ -34,8 +34,14 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 5] =
-    ["src/pair.rs", "src/itself.rs", "src/scene/mod.rs", "src/scene/edit.rs", "src/batch/mod.rs"];
+const QUERIES: [&str; 6] = [
+    "src/pair.rs",
+    "src/itself.rs",
+    "src/scene/mod.rs",
+    "src/scene/edit.rs",
+    "src/scene/nearest.rs",
+    "src/batch/mod.rs",
+];
 
 #[test]
 fn every_verb_is_on_the_page_and_no_other_name() {
@@ -113,7 +119,7 @@ fn who_answers() -> Vec<Vec<String>> {
         rows.push(row.to_vec());
     };
     for (precision, model) in &models {
-        for verb in ["any", "all", "count", "contacts", "visit"] {
+        for verb in ["any", "all", "count", "contacts", "visit", "distance"] {
             let ask = |executor: &Executor| {
                 let mut query = PairQuery::new().on(executor);
                 let (a, b, pose) = (&still, model, aside(0));
@@ -122,6 +128,7 @@ fn who_answers() -> Vec<Vec<String>> {
                     "all" => query.all(a, b, pose).map(drop),
                     "count" => query.count(a, b, pose).map(drop),
                     "contacts" => query.contacts(a, b, pose).map(drop),
+                    "distance" => query.distance(a, b, pose).map(drop),
                     _ => query.visit(a, b, pose, |_| ControlFlow::Continue(())).map(drop),
                 }
                 .unwrap();
@@ -152,19 +159,21 @@ fn who_answers() -> Vec<Vec<String>> {
         ("in f64", in_f64, None),
         ("with itself", in_f32, Some(Adjacency::default())),
     ] {
-        for verb in ["any", "all", "count", "contacts", "visit", "intersecting_bodies"] {
+        for verb in ["any", "all", "count", "contacts", "visit", "intersecting_bodies", "distance"]
+        {
             let ask = |executor: &Executor| {
                 let mut scene = SceneQuery::new().on(executor);
                 for i in 0..2 {
                     scene.add(still.clone(), aside(i)).unwrap();
                 }
                 let options = BodyOptions { itself, ..BodyOptions::default() };
-                scene.add_with(model.clone(), aside(2), options).unwrap();
+                let body = scene.add_with(model.clone(), aside(2), options).unwrap();
                 match verb {
                     "any" => scene.any().map(drop),
                     "all" => scene.all().map(drop),
                     "count" => scene.count().map(drop),
                     "contacts" => scene.contacts().map(drop),
+                    "distance" => scene.distance(body).map(drop),
                     "intersecting_bodies" => scene.intersecting_bodies().map(drop),
                     _ => scene.visit(|_| ControlFlow::Continue(())).map(drop),
                 }

@@ -47,6 +47,7 @@
 // theirs, which `sort` has sorted. `control` ends frames early.
 mod build;
 mod control;
+mod distance;
 mod frame;
 mod front;
 mod memory;

@@ -1,7 +1,7 @@
 //! Answers to the questions of a batch, in their order.
 
-use crate::TrianglePair;
 use crate::executor::Answer;
+use crate::{Gap, TrianglePair};
 use std::ops::Index;
 
 /// Answers to consecutive questions, to any verb.
@@ -10,11 +10,17 @@ pub(super) struct Found {
     pub(super) answers: Vec<Answer<TrianglePair>>,
     /// Under [`Verb::All`](crate::executor::Verb), the pairs of all questions.
     pub(super) pairs: Vec<TrianglePair>,
+    /// The smallest distances, in place of answers.
+    pub(super) gaps: Vec<Option<Gap>>,
 }
 
 impl Found {
     pub(super) fn into_first(self) -> Vec<Option<TrianglePair>> {
         self.answers.into_iter().map(|answer| answer.first).collect()
+    }
+
+    pub(super) fn into_gaps(self) -> Vec<Option<Gap>> {
+        self.gaps
     }
 
     pub(super) fn into_counts(self) -> Vec<u64> {

@@ -63,9 +63,9 @@ use crate::environment::with_default;
 use crate::executor::{Backend, Reason, Verb};
 use crate::subject::Subject;
 use crate::ticket::Planned;
-use crate::{Adjacency, AnyPose, Distance, Error, Executor, Model, Ticket, TrianglePair};
+use crate::{Adjacency, AnyPose, Distance, Error, Executor, Gap, Model, Ticket, TrianglePair};
 use found::Found;
-use job::Job;
+use job::{Job, Nearest};
 use std::fmt;
 use std::sync::Arc;
 
@@ -266,6 +266,59 @@ impl Batch {
         self.submit(executor, Verb::All, PairLists::from)
     }
 
+    /// Submits all questions, each for the smallest distance of its models, as [`PairQuery::distance`](crate::PairQuery::distance)
+    /// tells it: what a planner asks of many poses. The pair that was nearest in the question before is tried first. CPUs answer,
+    /// whatever the executor.
+    ///
+    /// # Errors
+    /// [`Error::NotAPair`] if a question is about a model and itself.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let triangle = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    /// # let part = Arc::new(Model::new(triangle, vec![[0, 1, 2]])?);
+    /// let mut batch = Batch::new();
+    /// for z in [0.0, 0.5, 2.0] {
+    ///     batch.pair(&part, &part, Pose::from_translation([0.0, 0.0, z]))?;
+    /// }
+    /// let gaps = batch.distance(&Executor::sequential())?.read()?;
+    /// assert!(gaps[0].is_some_and(|gap| gap.interval == [0.0; 2]));
+    /// assert!(gaps[1].is_some_and(|gap| gap.interval[0] <= 0.5 && 0.5 <= gap.interval[1]));
+    /// let near = batch.distance_below(&Executor::sequential(), 0.5)?.read()?;
+    /// assert_eq!(near.iter().flatten().count(), 2);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn distance(&mut self, executor: &Executor) -> Result<Ticket<Vec<Option<Gap>>>, Error> {
+        self.submit_nearest(executor, None)
+    }
+
+    /// [`Batch::distance`] of those questions in which it is at most `limit`, exactly; the others are answered sooner.
+    ///
+    /// # Errors
+    /// As [`Batch::distance`]; [`Error::Distance`] if the limit is NaN, infinite or negative.
+    pub fn distance_below(
+        &mut self,
+        executor: &Executor,
+        limit: f32,
+    ) -> Result<Ticket<Vec<Option<Gap>>>, Error> {
+        self.submit_nearest(executor, Some(Distance::new(limit)?))
+    }
+
+    fn submit_nearest(
+        &mut self,
+        executor: &Executor,
+        at_most: Option<Distance>,
+    ) -> Result<Ticket<Vec<Option<Gap>>>, Error> {
+        let is_itself = |subject: &Subject<_>| matches!(subject, Subject::Itself { .. });
+        if let Some(question) = self.job.questions.iter().position(is_itself) {
+            return Err(Error::NotAPair { question });
+        }
+        let job = Job { nearest: Some(Nearest { at_most }), ..self.job.clone() };
+        Ok(on_cpu(executor, job, executor.without_gpu(), Found::into_gaps))
+    }
+
     fn add(&mut self, question: Subject<Arc<Model>>) {
         Arc::make_mut(&mut self.job.questions).push(question);
     }
@@ -278,13 +331,9 @@ impl Batch {
     ) -> Result<Ticket<T>, Error> {
         let job = Job { verb, ..self.job.clone() };
         let reason = if executor.has_choice() { Reason::Unknown } else { Reason::NoChoice };
-        let planned = |backend| {
-            let questions = job.questions.len();
-            Planned { questions, backend, reason, on_cpu: Vec::new() }
-        };
         #[cfg(feature = "gpu")]
         if let Some((device, reader)) = executor.for_tickets() {
-            let mut planned = planned(Backend::Gpu);
+            let mut planned = planned(&job, Backend::Gpu, reason);
             let numbered = job.questions.iter().enumerate();
             let on_cpu = numbered.filter(|(_, question)| question.is_for_cpu());
             planned.on_cpu.extend(on_cpu.map(|(number, _)| number));
@@ -293,16 +342,31 @@ impl Batch {
             ticket.seat = seat;
             return Ok(ticket);
         }
-        #[cfg(feature = "threads")]
-        if let Some(pool) = &executor.pool {
-            let planned = planned(Backend::Threads);
-            return Ok(Ticket::new(pool::submit(executor, pool, job, answer), planned));
-        }
-        let planned = planned(Backend::Sequential);
-        let mut steps = cpu::Steps::new(job);
-        let step = move || Ok(steps.step()?.then(|| answer(std::mem::take(&mut steps.found))));
-        Ok(Ticket::in_steps(Box::new(step), planned))
+        Ok(on_cpu(executor, job, reason, answer))
     }
+}
+
+fn planned(job: &Job, backend: Backend, reason: Reason) -> Planned {
+    Planned { questions: job.questions.len(), backend, reason, on_cpu: Vec::new() }
+}
+
+/// Submits to the CPU of an executor.
+#[cfg_attr(not(feature = "threads"), expect(unused_variables, reason = "there is one thread"))]
+fn on_cpu<T: Send + 'static>(
+    executor: &Executor,
+    job: Job,
+    reason: Reason,
+    answer: fn(Found) -> T,
+) -> Ticket<T> {
+    #[cfg(feature = "threads")]
+    if let Some(pool) = &executor.pool {
+        let planned = planned(&job, Backend::Threads, reason);
+        return Ticket::new(pool::submit(executor, pool, job, answer), planned);
+    }
+    let planned = planned(&job, Backend::Sequential, reason);
+    let mut steps = cpu::Steps::new(job);
+    let step = move || Ok(steps.step()?.then(|| answer(std::mem::take(&mut steps.found))));
+    Ticket::in_steps(Box::new(step), planned)
 }
 
 /// Without the meshes.

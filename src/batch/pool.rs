@@ -8,6 +8,7 @@ use crate::memory::{push, reserve};
 use crate::threads::Pool;
 use crate::ticket::Outcome;
 use crate::{Error, Executor};
+use pfront_core::bvtt::AnyBvtt;
 use std::sync::atomic::{AtomicUsize, Ordering::AcqRel, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -63,6 +64,11 @@ fn together(cpu: &mut CpuHistory<()>, job: &Job) -> Result<Found, Error> {
         // The next question does not resemble the last.
         cpu.forget();
         let tree = question.tree()?;
+        if let (Some(nearest), AnyBvtt::Pair(tree)) = (job.nearest, &tree) {
+            let (_, gap) = cpu.distance(tree, nearest.at_most, None);
+            push(&mut found.gaps, gap?)?;
+            continue;
+        }
         let (_, answer) = cpu.ask((), &tree, job.verb, &mut pairs);
         push(&mut found.answers, answer?)?;
         reserve(&mut found.pairs, pairs.len())?;
@@ -109,9 +115,11 @@ impl<T> Blocks<T> {
             let pairs = answered.iter().map(|(_, found)| found.pairs.len()).sum();
             reserve(&mut all.answers, count)?;
             reserve(&mut all.pairs, pairs)?;
+            reserve(&mut all.gaps, if self.job.nearest.is_some() { count } else { 0 })?;
             for (_, mut found) in answered.drain(..) {
                 all.answers.append(&mut found.answers);
                 all.pairs.append(&mut found.pairs);
+                all.gaps.append(&mut found.gaps);
             }
             drop(answered);
             self.outcome.set(Ok((self.answer)(all)));

@@ -4,7 +4,8 @@ use super::threads::ThreadsHistory;
 use super::{Answer, Backend, Executor, Named, SLICE, Verb, check, sort};
 use crate::Error;
 use crate::memory::push;
-use pfront_core::bvtt::{AnyBvtt, Cursor, Query};
+use crate::{Distance, TrianglePair};
+use pfront_core::bvtt::{AnyBvtt, Cursor, Gap, PairBvtt, Query};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -102,6 +103,28 @@ impl<N: Copy + Ord> CpuHistory<N> {
     #[cfg(feature = "threads")]
     pub(crate) fn forget(&mut self) {
         self.threads.iter_mut().for_each(|threads| threads.traversal.forget());
+    }
+
+    /// The smallest distance of two meshes, and which part of the CPU found it.
+    pub(crate) fn distance(
+        &self,
+        tree: &PairBvtt<'_>,
+        at_most: Option<Distance>,
+        seed: Option<TrianglePair>,
+    ) -> (Backend, Result<Option<Gap>, Error>) {
+        let cancel = self.cancel.as_deref();
+        if let Some(threads) = &self.threads {
+            let (backend, gap) = threads.distance(tree, at_most, seed, cancel);
+            return (backend, check(cancel).map(|()| gap));
+        }
+        let mut search = tree.search(at_most, seed);
+        while !search.is_done() {
+            if let Err(error) = check(cancel) {
+                return (Backend::Sequential, Err(error));
+            }
+            tree.seek(&mut search, SLICE);
+        }
+        (Backend::Sequential, Ok(search.gap()))
     }
 
     /// Answers about one subject, and tells which part of the CPU did. The list is replaced, under [`Verb::All`] by all

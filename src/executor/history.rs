@@ -5,9 +5,10 @@ use super::{
     Answer, Backend, CpuHistory, CpuPart, Device, Executor, Meeting, Named, Plan, Reason, Verb,
     check, visit,
 };
+use crate::Distance;
 use crate::memory::{push, reserve};
 use crate::{Error, Model, Scalar, TrianglePair};
-use pfront_core::bvtt::Query;
+use pfront_core::bvtt::{Gap, PairBvtt, Query};
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
@@ -147,6 +148,18 @@ impl<N: Copy + Ord> History<N> {
         list(items, out)
     }
 
+    /// The smallest distance of two meshes, which the CPU finds. Takes note of who has.
+    pub(crate) fn distance(
+        &mut self,
+        tree: &PairBvtt<'_>,
+        at_most: Option<Distance>,
+        seed: Option<TrianglePair>,
+    ) -> Result<Option<Gap>, Error> {
+        let (backend, gap) = self.cpu.distance(tree, at_most, seed);
+        self.note_cpu(backend);
+        gap
+    }
+
     /// The names of those `subjects` whose query finds something, in order.
     ///
     /// # Errors
@@ -227,11 +240,7 @@ impl<N: Copy + Ord> History<N> {
 
     /// Takes note that a part of the CPU has answered, whatever the executor has.
     pub(crate) fn note_cpu(&mut self, backend: Backend) {
-        let reason = match self.executor.device.is_some() {
-            true => Reason::CpuOnly,
-            false => Reason::NoChoice,
-        };
-        self.note(backend, reason);
+        self.note(backend, self.executor.without_gpu());
     }
 
     /// Takes note that a part of the CPU has answered too, after what is noted.

@@ -184,6 +184,11 @@ impl Executor {
         can_wait.then_some((device, reader))
     }
 
+    /// The reason for which a CPU answers what no GPU does.
+    pub(crate) fn without_gpu(&self) -> Reason {
+        if self.device.is_some() { Reason::CpuOnly } else { Reason::NoChoice }
+    }
+
     /// Whether the GPU answers where that pays.
     pub(crate) fn has_choice(&self) -> bool {
         self.device.as_ref().is_some_and(|device| device.choice_line().is_some())

@@ -2,7 +2,8 @@
 
 use super::{Answer, Backend, Named, Verb};
 use crate::Error;
-use pfront_core::bvtt::AnyBvtt;
+use crate::{Distance, TrianglePair};
+use pfront_core::bvtt::{AnyBvtt, Gap, PairBvtt};
 use std::convert::Infallible;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -58,6 +59,16 @@ impl<N> NoHistory<N> {
     }
 
     pub(super) fn was_at_once(&self) -> bool {
+        match self.0 {}
+    }
+
+    pub(super) fn distance(
+        &self,
+        _: &PairBvtt<'_>,
+        _: Option<Distance>,
+        _: Option<TrianglePair>,
+        _: Option<&AtomicBool>,
+    ) -> (Backend, Option<Gap>) {
         match self.0 {}
     }
 

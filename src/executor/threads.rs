@@ -6,7 +6,8 @@ use crate::memory::{extend, push, reserve};
 pub(super) use crate::threads::Pool;
 use crate::threads::rayon::{Yield, yield_now};
 use crate::threads::{Hit, MemoryError, Report, Schedule, Traversal};
-use pfront_core::bvtt::AnyBvtt;
+use crate::{Distance, TrianglePair};
+use pfront_core::bvtt::{AnyBvtt, Gap, PairBvtt};
 use std::mem::take;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -130,6 +131,18 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
     pub(super) fn was_at_once(&self) -> bool {
         let Report { shares, traversal_time, .. } = &self.traversal.report;
         shares.is_empty() && traversal_time.is_zero()
+    }
+
+    /// [`CpuHistory::distance`](super::CpuHistory::distance).
+    pub(super) fn distance(
+        &self,
+        tree: &PairBvtt<'_>,
+        at_most: Option<Distance>,
+        seed: Option<TrianglePair>,
+        cancel: Option<&AtomicBool>,
+    ) -> (Backend, Option<Gap>) {
+        let (gap, threads) = self.traversal.pool.distance(tree, at_most, seed, cancel);
+        (if threads > 1 { Backend::Threads } else { Backend::Sequential }, gap)
     }
 
     /// [`CpuHistory::ask`](super::CpuHistory::ask).

@@ -129,6 +129,12 @@ impl Bodies {
         body.ok_or(Error::StaleBody { id })
     }
 
+    /// A body and its place, as [`Bodies::compact`] left it.
+    pub(super) fn placed(&self, id: BodyId) -> Result<(u32, &Body), Error> {
+        let place = self.place(id).ok_or(Error::StaleBody { id })?;
+        Ok((place as u32, self.get(id)?))
+    }
+
     /// Changes a body, unless that fails.
     pub(super) fn change(
         &mut self,

@@ -60,6 +60,7 @@ impl SceneQuery {
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
         self.bodies.get(id)?;
         self.before_loss()?;
+        self.nearest.remove(&id);
         self.bodies.remove(id)
     }
 

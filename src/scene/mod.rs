@@ -13,6 +13,7 @@ mod edit;
 mod frame;
 mod hit;
 mod id;
+mod nearest;
 mod pairs;
 mod split;
 
@@ -24,13 +25,14 @@ pub use id::BodyId;
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};
 use crate::memory::{extend, push};
-use crate::{Aabb, Contact, Distance, Error, Executor};
+use crate::{Aabb, Contact, Distance, Error, Executor, TrianglePair};
 use bodies::Bodies;
 use broad::Broad;
 use cache::{Cache, merge};
 use device::DeviceScene;
 use frame::SceneFrame;
 use pairs::{BodyPairs, meeting};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::ControlFlow;
 
@@ -102,6 +104,8 @@ pub struct SceneQuery {
     new_contacts: Vec<(SceneHit, Contact)>,
     history: History<[BodyId; 2]>,
     device: DeviceScene,
+    /// The body that was nearest to one, and the nearest pair, for the next search.
+    nearest: BTreeMap<BodyId, (BodyId, TrianglePair)>,
 }
 
 /// Without the bodies, which may be many.

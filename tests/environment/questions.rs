@@ -38,8 +38,16 @@ pub(crate) enum Answer {
     Pairs(Vec<TrianglePair>),
     Contacts(Vec<(TrianglePair, Contact)>),
     ContactsF64(Vec<(TrianglePair, Contact<f64>)>),
+    /// The intervals, since any of the pairs that intersect may be told.
+    Gaps(Vec<Option<[f64; 2]>>),
     /// Bodies by the order in which they were added.
     Hits(Vec<([usize; 2], TrianglePair)>),
+}
+
+impl From<Vec<Option<Gap>>> for Answer {
+    fn from(gaps: Vec<Option<Gap>>) -> Self {
+        Self::Gaps(gaps.into_iter().map(|gap| gap.map(|gap| gap.interval)).collect())
+    }
 }
 
 impl<T> From<Option<T>> for Answer {
@@ -84,6 +92,8 @@ fn pairs(named: &mut Named, kind: &str, [a, b]: &[Arc<Model>; 2], pose: AnyPose,
     add("all", Answer::Pairs(query.all(a, b, pose).unwrap().to_vec()));
     add("contacts", Answer::Contacts(query.contacts(a, b, pose).unwrap().to_vec()));
     add("contacts_f64", Answer::ContactsF64(query.contacts_f64(a, b, pose).unwrap()));
+    add("distance", vec![query.distance(a, b, pose).unwrap()].into());
+    add("distance_below", vec![query.distance_below(a, b, pose, 1e-40).unwrap()].into());
     let mut count = 0;
     let visited = query.visit(a, b, pose, |_| {
         count += 1;
@@ -156,6 +166,12 @@ fn batch(
     found.into_iter().for_each(|found| add("any", found.into()));
     let lists = batch.all(on).unwrap().read().unwrap();
     lists.iter().for_each(|list| add("all", Answer::Pairs(list.to_vec())));
+    let mut pairs = Batch::new();
+    pairs.pair(&models[0], &models[1], poses[0]).unwrap();
+    let gaps = pairs.distance(on).unwrap().read().unwrap();
+    add("distance", gaps.into());
+    let gaps = pairs.distance_below(on, 1e-40).unwrap().read().unwrap();
+    add("distance_below", gaps.into());
     // A single question, which all threads divide, awaited in slices.
     let mut single = Batch::new();
     single.pair(&models[0], &models[1], poses[0]).unwrap();
@@ -213,6 +229,14 @@ fn each_verb(named: &mut Named, change: &str, scene: &mut SceneQuery, bodies: &[
         .into_iter()
         .map(|two| (number(two), TrianglePair::default()));
     add("intersecting_bodies", Answer::Hits(met.collect()));
+    for body in bodies {
+        // One of them has been removed, in the end.
+        if scene.body(*body).is_ok() {
+            let gaps = [scene.distance(*body), scene.distance_below(*body, 1e-40)];
+            let gaps = gaps.map(|gap| gap.unwrap().map(|(_, gap)| gap));
+            add("distance, distance_below", gaps.to_vec().into());
+        }
+    }
     scene.update().unwrap();
     let hits = scene.all().unwrap().iter().map(|hit| (number(hit.bodies), hit.pair));
     add("all", Answer::Hits(hits.collect()));

@@ -1,11 +1,11 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 8] = [
+const SURFACE: [(&str, &str, &str, &str); 9] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
-        "all any count visit contacts contacts_f64",
+        "all any count visit contacts contacts_f64 distance distance_below",
         "new on within report forget plan",
     ),
     (
@@ -21,6 +21,12 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
         "new on within report plan hits last_contacts",
     ),
     (
+        "SceneQuery's distances",
+        include_str!("../../src/scene/nearest.rs"),
+        "distance distance_below",
+        "",
+    ),
+    (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),
         "add add_with remove set_pose set_model set_positions split",
@@ -29,7 +35,7 @@ const SURFACE: [(&str, &str, &str, &str); 8] = [
     (
         "Batch",
         include_str!("../../src/batch/mod.rs"),
-        "pair itself any count all",
+        "pair itself any count all distance distance_below",
         "new len is_empty clear within",
     ),
     (

@@ -45,7 +45,7 @@ impl Add for Work {
 /// The most pending node pairs. A step pops one and pushes at most 16, so the stack grows by at most 15 a step. Each node
 /// pair pushed is two levels deeper in one tree or both, or has a leaf there, so a path downwards has at most
 /// `MAX_DEPTH / 2` steps.
-const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
+pub(super) const STACK: usize = 15 * MAX_DEPTH.div_ceil(2) + 1;
 
 /// The progress of a query: start one with [`Query::start`](super::Query::start), pass it to `page`, `step` or `visit`
 /// until [`Cursor::is_done`].

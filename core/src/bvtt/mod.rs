@@ -37,6 +37,8 @@ mod any;
 mod block;
 mod cull;
 mod cursor;
+#[cfg(feature = "within")]
+mod distance;
 mod near;
 mod nearest;
 mod planes;
@@ -50,6 +52,8 @@ mod wide_node;
 
 pub use any::AnyBvtt;
 pub use cursor::{Cursor, Work};
+#[cfg(feature = "within")]
+pub use distance::{Gap, Search};
 pub use posed_bvh::PosedBvh;
 pub(crate) use query::Estimated;
 pub use query::Query;

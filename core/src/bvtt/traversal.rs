@@ -21,7 +21,7 @@ pub(super) fn traverse<const SELF: bool>(
         return ControlFlow::Continue(());
     }
     cursor.set_budget(tests);
-    match (query.distance(), query.error()) {
+    match (query.reach(), query.error()) {
         (None, None) => run(Traversal::<SELF, false, false> { query, cursor, visit }),
         (None, Some(_)) => traverse_in_f64(query, cursor, visit),
         (Some(_), _) => traverse_within(query, cursor, visit),
@@ -113,7 +113,7 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
     }
 
     #[inline]
-    fn is_leaf_pair(&self, n: NodePair) -> bool {
+    pub(super) fn is_leaf_pair(&self, n: NodePair) -> bool {
         self.a.bvh.node(n.a).is_leaf() && self.b.bvh.node(n.b).is_leaf()
     }
 
@@ -148,7 +148,7 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
             allowed &= BEFORE;
         }
         let error = if F64 { self.error() } else { None };
-        let distance = if WITHIN { self.distance() } else { None };
+        let distance = if WITHIN { self.reach() } else { None };
         let (mesh, boxes_only) = (self.a.bvh.mesh(), self.boxes_only);
         let pairs = match distance {
             None => a.cull::<S, SELF>(b, allowed, boxes_only, error),

@@ -99,7 +99,7 @@ impl<'a> PairBvtt<'a> {
     /// Asks for two meshes that are both posed into a third frame, exactly.
     #[must_use]
     pub fn in_world(a: PosedBvh<'a>, b: PosedBvh<'a>) -> Self {
-        Self::within_in_world(a, b, 0.0)
+        Self::in_frame(a, b, None)
     }
 
     /// Asks for all pairs at most `distance` apart in the frame of the query, in place of those that intersect: exactly, and 0 asks
@@ -127,11 +127,19 @@ impl<'a> PairBvtt<'a> {
     #[must_use]
     pub fn within(self, distance: Distance) -> Self {
         let is_asked = self.distance == distance.get();
-        if is_asked { self } else { Self::within_in_world(self.a, self.b, distance.get()) }
+        let distance = (distance.get() > 0.0).then_some(distance.get());
+        if is_asked { self } else { Self::in_frame(self.a, self.b, distance) }
     }
 
-    fn within_in_world(a: PosedBvh<'a>, b: PosedBvh<'a>, distance: f32) -> Self {
-        let mut query = Self { distance, ..Self::of_sides(a, b) };
+    /// The same with boxes that stand in the frame of the query, where distances are.
+    #[cfg(feature = "within")]
+    pub(super) fn in_own_frame(&self) -> Self {
+        Self::in_frame(self.a, self.b, Some(0.0))
+    }
+
+    /// Compares boxes in the frame that suits them, or in that of the query and grown by a distance.
+    fn in_frame(a: PosedBvh<'a>, b: PosedBvh<'a>, within: Option<f32>) -> Self {
+        let mut query = Self { distance: within.unwrap_or(0.0), ..Self::of_sides(a, b) };
         let (Some(root_a), Some(root_b)) = (a.bvh.root(), b.bvh.root()) else { return query };
         let (of_a, of_b) = (root_a.bounds(), root_b.bounds());
         if a.is_f64() || b.is_f64() {
@@ -140,15 +148,15 @@ impl<'a> PairBvtt<'a> {
             // Boxes need all of the paddings, corners no more than 13/16 of each.
             query.error = Some(poses[0].padding().max(poses[1].padding()) * 1.75);
         }
-        // Distances are those of the frame of the query, so boxes are compared there.
-        match query.distance() {
+        match within {
             None => into_frame_of_first(&mut query.box_poses, &of_b),
-            Some(distance) => grow(&mut query.box_poses, &of_b, distance),
+            Some(distance) if distance > 0.0 => grow(&mut query.box_poses, &of_b, distance),
+            Some(_) => {}
         }
         if VECTORS && let Some(pose_b) = &query.b.pose {
             let pose_a = query.a.pose.unwrap_or_else(|| Affine::identity(&of_a));
             query.first_seen = pose_a.seen_from(&of_a, pose_b).filter(Affine::is_turned);
-            if let Some(distance) = query.distance() {
+            if let Some(distance) = query.reach() {
                 let growth = pose_b.growth_in_own_frame(distance);
                 query.first_seen = query.first_seen.map(|seen| seen.grown(growth));
             }
@@ -377,7 +385,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
 
     /// The distance within which pairs are hits, if that is what is asked.
     #[inline(always)]
-    pub(super) fn distance(&self) -> Option<f32> {
+    pub(super) fn reach(&self) -> Option<f32> {
         if WITHIN && self.distance > 0.0 { Some(self.distance) } else { None }
     }
 

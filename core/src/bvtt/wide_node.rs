@@ -59,4 +59,18 @@ impl WideNode {
         let tests = if SELF { self.len * (self.len - 1) / 2 } else { self.len * other.len };
         tests as u32
     }
+
+    /// Passes on all pairs of these nodes with those of `other`, with the square of their boxes' distance. Returns the number of
+    /// tests.
+    #[cfg(feature = "within")]
+    #[inline(always)]
+    pub(super) fn distances(&self, other: &Self, mut push: impl FnMut(NodePair, f32)) -> u32 {
+        for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
+            let squares = self.boxes.squared_distances(&other.boxes.splat(row)).to_array();
+            for (&a, square) in self.nodes.iter().zip(squares).take(self.len) {
+                push(NodePair { a, b }, square);
+            }
+        }
+        (self.len * other.len) as u32
+    }
 }

@@ -35,4 +35,16 @@ impl Box4 {
         let along = |k: usize| self.min[k].cmple(other.max[k]) & other.min[k].cmple(self.max[k]);
         (along(0) & along(1) & along(2)).bitmask()
     }
+
+    /// The squares of the distances of the boxes; bounds that are not numbers are at no distance along their axis.
+    #[cfg(feature = "within")]
+    #[inline(always)]
+    pub(crate) fn squared_distances(&self, other: &Self) -> Vec4 {
+        let along = |k: usize| {
+            let gap = (self.min[k] - other.max[k]).max(other.min[k] - self.max[k]);
+            let gap = gap.max(Vec4::ZERO);
+            gap * gap
+        };
+        along(0) + along(1) + along(2)
+    }
 }

@@ -25,6 +25,8 @@
 mod contact;
 mod coplanar;
 mod in_mesh;
+#[cfg(feature = "within")]
+mod nearest;
 mod within;
 
 use coplanar::coplanar_triangles_intersect;
@@ -32,6 +34,8 @@ use coplanar::coplanar_triangles_intersect;
 pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
+#[cfg(feature = "within")]
+pub(crate) use nearest::{Nearest, nearest};
 pub use within::within;
 pub(crate) use within::within_in_f64;
 

@@ -392,3 +392,33 @@ fn near_walls_far_from_the_origin_in_f64() {
     }
     assert!(answers.iter().all(|&count| count > 50), "{answers:?}");
 }
+
+#[cfg(feature = "within")]
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn distances_in_f64_as_every_two_triangles() {
+    let mut rng = seeded(34);
+    let mut apart = 0;
+    for round in 0..60 {
+        let far = [0.0, 1.0, 5e6, 1e12][round % 4];
+        let size = [1.0, 1e-3, 1e4][round % 3];
+        let mesh = |rng: &mut _, is_f64| {
+            let centre = [0; 3].map(|_| far * RngExt::random_range(rng, -1.0..1.0));
+            let (positions, triangles) = soup(rng, 12, size, centre);
+            (Owned::new(positions, triangles, is_f64), centre)
+        };
+        let ((a, of_a), (b, of_b)) = (mesh(&mut rng, true), mesh(&mut rng, round % 5 != 0));
+        let (pose_a, mut pose_b) = (pose(&mut rng, far), pose(&mut rng, 0.0));
+        let (place_a, place_b) = (pose_a.apply(of_a), pose_b.apply(of_b));
+        for k in 0..3 {
+            let by = [0.5, 2.5, 40.0][round % 3];
+            pose_b.rows[k][3] += place_a[k] - place_b[k] + size * by * rng.random_range(-1.0..1.0);
+        }
+        let world = |pose: &Pose64, bvh| PosedBvh::in_f64(bvh, pose).unwrap();
+        let query = PairBvtt::in_world(world(&pose_a, a.bvh()), world(&pose_b, b.bvh()));
+        let counts = [&a, &b].map(|own| own.triangles.len());
+        let gap = super::distance::check(&query, counts, &mut rng);
+        apart += u32::from(gap.interval[0] > 0.0);
+    }
+    assert!((15..60).contains(&apart), "{apart}");
+}

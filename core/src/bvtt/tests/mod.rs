@@ -3,6 +3,8 @@
 extern crate std;
 
 mod blocks;
+#[cfg(feature = "within")]
+mod distance;
 #[cfg(feature = "f64")]
 mod in_f64;
 mod queries;
