@@ -524,6 +524,18 @@ typedef struct pfront_subject_t {
   uint32_t rule;
 } pfront_subject_t;
 
+// The smallest distance of two meshes, and where it is.
+typedef struct pfront_gap_t {
+  // The least that it can be; 0 if triangles intersect.
+  double low;
+  // The greatest that it can be; 0 if triangles intersect.
+  double high;
+  // The nearest triangles, or two that intersect.
+  struct pfront_pair_t pair;
+  // The nearest points of both, rounded.
+  double points[2][3];
+} pfront_gap_t;
+
 // Two triangles that meet, and where they do, in the frame of the first model.
 typedef struct pfront_model_contact_t {
   // The triangles.
@@ -963,6 +975,16 @@ pfront_status_t pfront_model_query_all(struct pfront_model_query_t *query,
                                        size_t *count,
                                        struct pfront_error_t *error);
 
+// Finds the smallest distance of two models, in the frame of `a`: `found` is 1 and `gap` tells it, if it is at most `limit`,
+// which is INFINITY for any; else, or if a model has no triangles, `found` is 0 and `gap` is not written. A model and itself are
+// PFRONT_NULL. CPUs answer, whatever the executor, and the distance of `pfront_model_query_within` does not matter.
+pfront_status_t pfront_model_query_distance(struct pfront_model_query_t *query,
+                                            const struct pfront_subject_t *subject,
+                                            float limit,
+                                            struct pfront_gap_t *gap,
+                                            uint32_t *found,
+                                            struct pfront_error_t *error);
+
 // Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.
 pfront_status_t pfront_model_query_any(struct pfront_model_query_t *query,
                                        const struct pfront_subject_t *subject,
@@ -1149,6 +1171,17 @@ pfront_status_t pfront_scene_bodies_in(struct pfront_scene_t *scene,
                                        const uint64_t **bodies,
                                        size_t *count,
                                        struct pfront_error_t *error);
+
+// Finds the body that is nearest to `body`, and their smallest distance in the world: `found` is 1, `nearest` names it and `gap`
+// tells the distance, if it is at most `limit`, which is INFINITY for any; else `found` is 0 and neither is written. Triangle `a` of the pair
+// is of `body`. Bodies that it may not meet are left out.
+pfront_status_t pfront_scene_distance(struct pfront_scene_t *scene,
+                                      uint64_t body,
+                                      float limit,
+                                      uint64_t *nearest,
+                                      struct pfront_gap_t *gap,
+                                      uint32_t *found,
+                                      struct pfront_error_t *error);
 
 // Calls `visit` with `context` and each hit, on the calling thread, bodies in order and their triangles in none, until it returns
 // another number than 0: then `stopped` is 1, else 0. `visit` runs in the default floating-point environment; a call with this scene

@@ -14,6 +14,7 @@
 #include "pfront.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -260,6 +261,10 @@ public:
     std::optional<pair> any(const pfront_subject_t& subject) {
         return detail::found<pair>(pfront_model_query_any, object_.get(), &subject);
     }
+    // How far apart two models are, if at most `limit`.
+    std::optional<pfront_gap_t> distance(const pfront_subject_t& subject, float limit = INFINITY) {
+        return detail::found<pfront_gap_t>(pfront_model_query_distance, object_.get(), &subject, limit);
+    }
     std::uint64_t count(const pfront_subject_t& subject) {
         std::uint64_t count = 0;
         detail::call(pfront_model_query_count, object_.get(), &subject, &count);
@@ -365,6 +370,12 @@ public:
     // Pairs of bodies: for (const auto& [a, b] : scene.intersecting_bodies()).
     span<const std::uint64_t[2]> intersecting_bodies() {
         return detail::list<std::uint64_t[2]>(pfront_scene_intersecting_bodies, object_.get());
+    }
+    // The body that is nearest to one, and how far apart they are, if at most `limit`.
+    std::optional<std::pair<std::uint64_t, pfront_gap_t>> distance(std::uint64_t body, float limit = INFINITY) {
+        std::uint64_t nearest = 0;
+        const auto gap = detail::found<pfront_gap_t>(pfront_scene_distance, object_.get(), body, limit, &nearest);
+        return gap ? std::make_optional(std::make_pair(nearest, *gap)) : std::nullopt;
     }
     span<const std::uint64_t> bodies_in(const std::array<float, 3>& min, const std::array<float, 3>& max) {
         return detail::list<std::uint64_t>(pfront_scene_bodies_in, object_.get(), min.data(), max.data());

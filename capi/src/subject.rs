@@ -8,7 +8,9 @@ use crate::query::pfront_rule_t;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
-use pfront::{Adjacency, AnyPose, Batch, Error, Model, PairQuery, Pose64, SelfQuery, TrianglePair};
+use pfront::{
+    Adjacency, AnyPose, Batch, Error, Gap, Model, PairQuery, Pose64, SelfQuery, TrianglePair,
+};
 use pfront_capi_entry::entry;
 use std::mem::take;
 use std::sync::Arc;
@@ -98,6 +100,27 @@ pub struct pfront_model_contact_t {
     pub contact: pfront_contact_t,
 }
 
+/// The smallest distance of two meshes, and where it is.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_gap_t {
+    /// The least that it can be; 0 if triangles intersect.
+    pub low: f64,
+    /// The greatest that it can be; 0 if triangles intersect.
+    pub high: f64,
+    /// The nearest triangles, or two that intersect.
+    pub pair: pfront_pair_t,
+    /// The nearest points of both, rounded.
+    pub points: [[f64; 3]; 2],
+}
+
+impl From<Gap> for pfront_gap_t {
+    fn from(gap: Gap) -> Self {
+        let [low, high] = gap.interval;
+        Self { low, high, pair: gap.pair.into(), points: gap.points }
+    }
+}
+
 /// Makes a query that asks `executor`, or the calling thread if that is null. It keeps its last answer, and what its frames
 /// took: use one for each series of frames that resemble each other.
 #[entry]
@@ -182,6 +205,29 @@ fn pfront_model_query_all(
     };
     let for_c = |&TrianglePair { a, b }: &_| pfront_pair_t { a, b };
     out.set(pairs, found.iter().map(for_c))
+}
+
+/// Finds the smallest distance of two models, in the frame of `a`: `found` is 1 and `gap` tells it, if it is at most `limit`,
+/// which is INFINITY for any; else, or if a model has no triangles, `found` is 0 and `gap` is not written. A model and itself are
+/// PFRONT_NULL. CPUs answer, whatever the executor, and the distance of `pfront_model_query_within` does not matter.
+#[entry]
+fn pfront_model_query_distance(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    limit: f32,
+    gap: *mut pfront_gap_t,
+    found: *mut u32,
+) -> Done {
+    let (out, is_found) = (call.out(c"gap", gap)?, call.out(c"found", found)?);
+    let (ModelQuery { pair, .. }, subject) = asked(call, query, subject)?;
+    let Subject::Pair(a, b, pose) = &subject else { return Err(Fault::of(PFRONT_NULL, c"b")) };
+    let some = match limit {
+        f32::INFINITY => pair.distance(a, b, *pose),
+        _ => pair.distance_below(a, b, *pose, limit),
+    };
+    out.set_some(is_found, some.map_err(fault)?.map(pfront_gap_t::from));
+    Ok(())
 }
 
 /// Finds some pair that meets, and stops at the first: `found` is 1 if there is one, else 0 and `pair` is not written.

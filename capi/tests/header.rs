@@ -88,7 +88,9 @@ fn the_header_is_up_to_date() {
 }
 
 /// The verbs of a scene that C has by another name, or has no use for.
-const BY_ANOTHER_NAME: [(&str, &str); 16] = [
+const BY_ANOTHER_NAME: [(&str, &str); 17] = [
+    // A limit that is INFINITY is none.
+    ("distance_below", "pfront_scene_distance"),
     ("new", "pfront_scene_create"),
     ("on", "pfront_scene_create"),
     ("all", "pfront_scene_update"),
@@ -120,7 +122,7 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = fs::read_to_string(folder.join("include/pfront.h")).unwrap();
     let has = |function: &str| header.contains(&format!("{function}("));
-    for file in ["scene/mod.rs", "scene/edit.rs"] {
+    for file in ["scene/mod.rs", "scene/edit.rs", "scene/nearest.rs"] {
         let source = fs::read_to_string(folder.join("../src").join(file)).unwrap();
         for verb in methods(&source) {
             let other = BY_ANOTHER_NAME.iter().find(|(name, _)| *name == verb);
@@ -130,7 +132,8 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
         }
     }
     // These have no counterpart: C takes a mesh in its own memory step by step, and forgets by a new query.
-    let elsewhere = ["new", "on", "visit", "report", "forget", "plan", "contacts_f64"];
+    let elsewhere =
+        ["new", "on", "visit", "report", "forget", "plan", "contacts_f64", "distance_below"];
     let pair = fs::read_to_string(folder.join("../src/pair.rs")).unwrap();
     for verb in methods(&pair).filter(|verb| !elsewhere.contains(verb)) {
         assert!(has(&format!("pfront_model_query_{verb}")), "PairQuery::{verb} is not in C");

@@ -131,6 +131,22 @@ static void subjects(void)
     EXPECT(PFRONT_NULL, "query", pfront_model_query_count(NULL, &asked[0], &count, &error));
     EXPECT(PFRONT_NULL, "count", pfront_model_query_count(query, &asked[0], NULL, &error));
     EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_self(&tetrahedra, 3, NULL, &list, &error));
+    // How far apart: not at all, and some way, which is told exactly at a limit.
+    pfront_gap_t gap;
+    uint32_t found = 2;
+    OK(pfront_model_query_distance(query, &asked[0], INFINITY, &gap, &found, &error));
+    THAT(found == 1 && gap.low == 0 && gap.high == 0 && gap.points[0][0] == gap.points[1][0]);
+    OK(pfront_model_query_distance(query, &asked[1], INFINITY, &gap, &found, &error));
+    THAT(found == 1 && 0 < gap.low && gap.low < gap.high && gap.high < gap.low * 1.000001);
+    THAT(gap.pair.a < TRIANGLES && gap.pair.b < TRIANGLES && gap.points[0][0] < gap.points[1][0]);
+    OK(pfront_model_query_distance(query, &asked[1], (float)(gap.low * 0.9), &gap, &found, &error));
+    THAT(found == 0);
+    OK(pfront_model_query_distance(query, &asked[1], (float)(gap.high * 1.1), &gap, &found, &error));
+    THAT(found == 1);
+    EXPECT(PFRONT_DISTANCE, "distance", pfront_model_query_distance(query, &asked[1], -1, &gap, &found, &error));
+    EXPECT(PFRONT_NULL, "b", pfront_model_query_distance(query, &asked[4], 1, &gap, &found, &error));
+    EXPECT(PFRONT_NULL, "gap", pfront_model_query_distance(query, &asked[1], 1, NULL, &found, &error));
+    EXPECT(PFRONT_NULL, "found", pfront_model_query_distance(query, &asked[1], 1, &gap, NULL, &error));
     // Everything is within a kilometre, and 0 asks for what intersects again.
     OK(pfront_model_query_within(query, 1e3f, &error));
     OK(pfront_model_query_count(query, &asked[1], &count, &error));
@@ -190,6 +206,20 @@ static void bodies(void)
     OK(pfront_scene_bodies_in(scene, low, across, &inside, &count, &error));
     THAT(count == 1 && inside[0] == body[0]);
     EXPECT(PFRONT_NULL, "max", pfront_scene_bodies_in(scene, low, NULL, &inside, &count, &error));
+    pfront_gap_t gap;
+    uint64_t nearest = 0;
+    uint32_t found = 2;
+    OK(pfront_scene_distance(scene, body[2], INFINITY, &nearest, &gap, &found, &error));
+    THAT(found == 1 && nearest == body[1] && gap.high == 0);
+    OK(pfront_scene_ignore(scene, body[2], body[1], 1, &error));
+    OK(pfront_scene_distance(scene, body[2], INFINITY, &nearest, &gap, &found, &error));
+    THAT(found == 1 && nearest == body[0] && gap.low > 0 && gap.points[0][0] > gap.points[1][0]);
+    OK(pfront_scene_distance(scene, body[2], (float)(gap.low * 0.9), &nearest, &gap, &found, &error));
+    THAT(found == 0);
+    EXPECT(PFRONT_DISTANCE, "distance", pfront_scene_distance(scene, body[2], NAN, &nearest, &gap, &found, &error));
+    EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_distance(scene, 99, 1, &nearest, &gap, &found, &error));
+    EXPECT(PFRONT_NULL, "nearest", pfront_scene_distance(scene, body[2], 1, NULL, &gap, &found, &error));
+    OK(pfront_scene_ignore(scene, body[2], body[1], 0, &error));
     OK(pfront_scene_visit(scene, first_two, &seen, &stopped, &error));
     THAT(seen == 2 && stopped == 1);
     seen = 0;

@@ -32,6 +32,8 @@ static void models(const pfront::buffers& floor, const pfront::buffers& blade) {
     EXPECT(query.all(pfront::subject(a, b)).size() == 1 && query.count(pfront::subject(a, b, far)) == 0);
     EXPECT(query.any(pfront::subject(a, b)) && !query.any(pfront::subject(a)));
     EXPECT(query.contacts(pfront::subject(a, b))[0].contact.kind == PFRONT_CROSSING);
+    EXPECT(query.distance(pfront::subject(a, b))->high == 0 && query.distance(pfront::subject(a, b, far))->low > 1);
+    EXPECT(!query.distance(pfront::subject(a, b, far), 1));
     query.within(1e6f);
     EXPECT(query.count(pfront::subject(a, b, far)) > 0);
     query.within(0);
@@ -56,6 +58,7 @@ static void scenes(const pfront::buffers& floor, const pfront::buffers& blade) {
     EXPECT(scene.update().size() == 1 && scene.count() == 1 && scene.any()->bodies[1] == b && scene.contacts().size() == 1);
     EXPECT(scene.contacts_f64()[0].is_flat == 0);
     for (const auto& [first, second] : scene.intersecting_bodies()) EXPECT(first == a && second == b);
+    EXPECT(scene.distance(a)->first == b && scene.distance(a)->second.high == 0);
     EXPECT(scene.bodies_in({-1, -1, -1}, {5, 5, 5}).size() == 2);
     EXPECT(scene.visit([](const pfront::hit& hit) { return hit.pair.a == 0; }));
     try {

@@ -23,6 +23,7 @@ Examples:
   pfront pairs a.obj b.stl --translate 0.1,0,0    every intersecting triangle pair
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
+  pfront distance a.obj b.stl                     how far apart they are, and where
   pfront self cloth.ply --csv > folds.csv
   pfront scene room.glb --ignore 'Lid*' Box       the bodies of a scene that meet, by name
   pfront scene room.glb --bodies --within 0.5     the bodies that are at most so far apart
@@ -31,8 +32,8 @@ Examples:
   pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
-  0  done; for any: something meets, or is within the distance
-  1  for any: nothing is so; with --fail: something is
+  0  done; for any: something meets, or is within the distance; for distance: they are
+  1  for any and distance: nothing is so; with --fail: something is
   2  the command line or a file was refused; standard error says why
   130  interrupted";
 
@@ -61,6 +62,19 @@ pub(crate) enum Command {
     Demo,
     /// Test whether two meshes intersect (exit code 0 or 1), and print one pair
     Any {
+        #[command(flatten)]
+        meshes: TwoMeshes,
+        #[command(flatten)]
+        executor: ExecutorArgs,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// Tell the smallest distance of two meshes, between which triangles, and from which point to which
+    ///
+    /// Prints the interval that holds it, 0 if they intersect. With --within, only if they are at most so far apart, exactly: if
+    /// not, the exit code is 1. CPUs answer.
+    Distance {
         #[command(flatten)]
         meshes: TwoMeshes,
         #[command(flatten)]

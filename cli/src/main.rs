@@ -63,6 +63,9 @@ fn main() -> ExitCode {
         Some(Command::Any { meshes, executor, json }) => {
             command::any::run(&meshes, &executor, json)
         }
+        Some(Command::Distance { meshes, executor, json }) => {
+            command::distance::run(&meshes, &executor, json)
+        }
         Some(Command::SelfCollision(asked)) => command::self_collision::run(&asked),
         Some(Command::Scene(asked)) => command::scene::run(&asked),
         Some(Command::Bake(bake)) => command::bake::run(&bake),

@@ -5,6 +5,7 @@ use crate::memory::{Call, Done, reserve};
 use crate::model::pfront_model_t;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
+use crate::subject::pfront_gap_t;
 use core::ffi::c_void;
 use core::ops::ControlFlow::{Break, Continue};
 use pfront::{Aabb, BodyId};
@@ -52,6 +53,33 @@ fn pfront_scene_bodies_in(
     let (min, max) = (call.get(c"min", min.cast())?, call.get(c"max", max.cast())?);
     let Scene { query, bodies, .. } = usable(call, scene)?;
     out.set(bodies, query.bodies_in(Aabb { min, max })?.into_iter().map(BodyId::to_bits))
+}
+
+/// Finds the body that is nearest to `body`, and their smallest distance in the world: `found` is 1, `nearest` names it and `gap`
+/// tells the distance, if it is at most `limit`, which is INFINITY for any; else `found` is 0 and neither is written. Triangle `a` of the pair
+/// is of `body`. Bodies that it may not meet are left out.
+#[entry]
+fn pfront_scene_distance(
+    call: &mut Call<'_>,
+    scene: *mut pfront_scene_t,
+    body: u64,
+    limit: f32,
+    nearest: *mut u64,
+    gap: *mut pfront_gap_t,
+    found: *mut u32,
+) -> Done {
+    let (id, out) = (call.out(c"nearest", nearest)?, call.out(c"gap", gap)?);
+    let is_found = call.out(c"found", found)?;
+    let (query, body) = (&mut usable(call, scene)?.query, BodyId::from_bits(body));
+    let some = match limit {
+        f32::INFINITY => query.distance(body)?,
+        _ => query.distance_below(body, limit)?,
+    };
+    if let Some((other, _)) = some {
+        id.set(other.to_bits());
+    }
+    out.set_some(is_found, some.map(|(_, gap)| gap.into()));
+    Ok(())
 }
 
 /// Calls `visit` with `context` and each hit, on the calling thread, bodies in order and their triangles in none, until it returns

@@ -4,6 +4,7 @@ pub(crate) mod any;
 pub(crate) mod bake;
 pub(crate) mod bench;
 pub(crate) mod devices;
+pub(crate) mod distance;
 mod knot;
 pub(crate) mod pairs;
 pub(crate) mod scene;

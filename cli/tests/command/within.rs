@@ -1,4 +1,4 @@
-//! `--within`: pairs of triangles at most so far apart.
+//! `--within`: pairs of triangles at most so far apart; and how far apart meshes are.
 
 use super::{folder, out, pfront, refused};
 use std::fs;
@@ -104,4 +104,27 @@ fn help_says_what_contacts_are() {
         assert!(words.contains("rounded up to f32, so that no pair is missed"), "{help}");
         assert!(words.contains("Contacts and curves are those of pairs that intersect"), "{help}");
     }
+}
+
+#[test]
+fn how_far_apart_two_meshes_are() {
+    let folder = apart();
+    let at = folder.path();
+    let found = json(at, "distance low.obj high.obj --json");
+    let (low, high) =
+        (found["distance"][0].as_f64().unwrap(), found["distance"][1].as_f64().unwrap());
+    assert!(low <= 0.02 && 0.02 <= high && high - low < 1e-8, "{found}");
+    assert_eq!(
+        (&found["pair"], &found["points"][1][2]),
+        (&serde_json::json!([0, 0]), &0.02.into())
+    );
+    let said = out(at, "distance low.obj high.obj");
+    assert!(said.contains(" to 0.02") && said.contains("triangles 0 and 0, from "), "{said}");
+    assert!(out(at, "distance low.obj low.obj").starts_with("0, as triangles 0 and 0 meet at "));
+    // The limit is rounded up, and is exact.
+    assert_eq!(pfront(at, "distance low.obj high.obj --within 0.02").status.code(), Some(0));
+    let farther = pfront(at, "distance low.obj high.obj --json --within 0.0199999");
+    assert_eq!(farther.status.code(), Some(1));
+    let said: serde_json::Value = serde_json::from_slice(&farther.stdout).unwrap();
+    assert!(said["distance"].is_null() && said["pair"].is_null() && said["within"].is_number());
 }
