@@ -1,7 +1,8 @@
-//! Pairs within a distance, beside those that intersect: two torus knots, by mean edges.
+//! Pairs within a distance, beside those that intersect; and the smallest distance, beside parry's: two torus knots, by mean edges.
 //!
 //! `cargo bench --bench within [-- MESH_FILE]`: two of a mesh of a file instead. Best times of some rounds in turn, on one
-//! thread and on all, and how many times those at 0 they are.
+//! thread and on all, and how many times those at 0 they are. The smallest distance is that of poses which turn by a degree a
+//! frame, at the gap of a seventh of the width in the first; parry's is wrong if it is not in our interval, but for 1e-5 of it.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -13,6 +14,9 @@ use std::time::Instant;
 /// As few as that in a test, which runs the bench once.
 const TRIANGLES: usize = if cfg!(debug_assertions) { 20_000 } else { 800_000 };
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 15 };
+
+/// Frames in which the smallest distance is asked for.
+const FRAMES: usize = if cfg!(debug_assertions) { 2 } else { 20 };
 
 /// In mean edges.
 const DISTANCES: [f32; 6] = [0.0, 0.01, 0.1, 0.5, 1.0, 2.0];
@@ -43,8 +47,8 @@ fn main() {
     let mut executors = vec![(1, Executor::sequential())];
     #[cfg(feature = "threads")]
     executors.push((threads, Executor::threads(threads)));
-    for (threads, executor) in executors {
-        let queries = DISTANCES.map(|d| PairQuery::new().on(&executor).within(d * edge).unwrap());
+    for (threads, executor) in &executors {
+        let queries = DISTANCES.map(|d| PairQuery::new().on(executor).within(d * edge).unwrap());
         let (mut queries, mut best) = (queries, [f64::INFINITY; DISTANCES.len()]);
         let mut pairs = [0; DISTANCES.len()];
         for _ in 0..ROUNDS {
@@ -64,4 +68,71 @@ fn main() {
             );
         }
     }
+    let truth = distances(&model, width, &executors);
+    parry(&model, width, &truth);
+}
+
+/// A pose for each frame, in which the second is 1.15 widths away and turned by some degrees.
+fn frames(width: f32) -> impl Iterator<Item = Pose> {
+    (0..FRAMES).map(move |frame| {
+        let (sin, cos) = (0.5 * (frame as f32).to_radians()).sin_cos();
+        Pose::from_rotation_translation([0.0, sin, 0.0, cos], [1.15 * width, 0.0, 0.0])
+    })
+}
+
+/// Times the smallest distance by each executor, by a new query for each frame and by one for all. Returns the intervals.
+fn distances(model: &Model, width: f32, executors: &[(usize, Executor)]) -> Vec<[f64; 2]> {
+    let mut truth: Vec<[f64; 2]> = Vec::new();
+    for (threads, executor) in executors {
+        let mut best = [[f64::INFINITY; FRAMES]; 2];
+        for _ in 0..ROUNDS {
+            let mut kept = PairQuery::new().on(executor);
+            for (frame, pose) in frames(width).enumerate() {
+                let mut new = PairQuery::new().on(executor);
+                for (query, best) in [&mut new, &mut kept].into_iter().zip(&mut best) {
+                    let began = Instant::now();
+                    let gap = query.distance(model, model, pose).unwrap().unwrap();
+                    best[frame] = best[frame].min(began.elapsed().as_secs_f64() * 1e3);
+                    if truth.len() == frame {
+                        truth.push(gap.interval);
+                    }
+                    assert_eq!(
+                        gap.interval, truth[frame],
+                        "every answer to a question is the same"
+                    );
+                }
+            }
+        }
+        let [mut new, mut kept] = best;
+        tell(&format!("{threads} threads, distance"), &mut new);
+        tell(&format!("{threads} threads, distance of frame after frame"), &mut kept);
+    }
+    truth
+}
+
+fn parry(model: &Model, width: f32, truth: &[[f64; 2]]) {
+    use parry3d::math::{Pose as ParryPose, Rotation, Vec3 as V};
+    let mesh = model.mesh();
+    let vertices = mesh.shadow().iter().copied().map(V::from_array).collect();
+    let parry = parry3d::shape::TriMesh::new(vertices, mesh.triangles().to_vec()).unwrap();
+    let (mut times, mut wrong) = (Vec::new(), 0);
+    for (frame, [low, high]) in truth.iter().enumerate() {
+        let turn = Rotation::from_rotation_y((frame as f32).to_radians());
+        let pose = ParryPose::from_parts(V::new(1.15 * width, 0.0, 0.0), turn);
+        let began = Instant::now();
+        let found = parry3d::query::distance(&ParryPose::IDENTITY, &parry, &pose, &parry).unwrap();
+        times.push(began.elapsed().as_secs_f64() * 1e3);
+        let slack = 1e-5 * high;
+        wrong += u32::from(!(low - slack..=high + slack).contains(&f64::from(found.distance)));
+    }
+    tell(&format!("parry, {wrong} of {} wrong, distance", times.len()), &mut times);
+}
+
+fn tell(what: &str, times: &mut [f64]) {
+    times.sort_by(f64::total_cmp);
+    let (median, worst) = (times[times.len() / 2], times[times.len() - 1]);
+    println!(
+        "{what}: median {median:.3} ms, sum {:.2}, worst {worst:.3}",
+        times.iter().sum::<f64>()
+    );
 }

@@ -76,7 +76,7 @@ impl PairBvtt<'_> {
     /// search takes a third to two thirds of the time. One that is out of range is ignored.
     ///
     /// # Complexity
-    /// No allocation, no recursion; below 64 KiB of stack, or 72 KiB in f64. Node pairs whose boxes are nearer than the answer are
+    /// No allocation, no recursion; below 40 KiB of stack, or 64 KiB in f64. Node pairs whose boxes are nearer than the answer are
     /// visited, so that time grows with the number of triangles that are about equally near.
     ///
     /// # Examples

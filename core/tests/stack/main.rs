@@ -169,6 +169,16 @@ fn queries() {
                 walk(&|| walked(&near_itself, steps));
             });
         }
+        #[cfg(feature = "within")]
+        for apart in [0.0, 1e-30, 3.0] {
+            let pose = Pose::from_translation([apart, 0.0, apart]);
+            let query = PairBvtt::new(bvh, bvh, pose).unwrap();
+            check("distance", || {
+                let mut search = query.search(None, Some(TrianglePair { a: 0, b: 0 }));
+                query.seek(&mut search, 2_000);
+                black_box(search.gap());
+            });
+        }
         let query = PairBvtt::new(bvh, bvh, turned()).unwrap();
         let mut page = vec![TrianglePair::default(); 1000];
         check("PairBvtt::new", || _ = black_box(PairBvtt::new(bvh, bvh, turned())).unwrap());
@@ -214,6 +224,11 @@ fn queries_in_f64() {
     for query in [query, PairBvtt::in_f64(bvh, bvh, &Pose64::IDENTITY).unwrap()] {
         let near = query.within(pfront_core::Distance::new(values[0].abs() as f32).unwrap());
         check("step within a distance in f64", || _ = black_box(walked(&near, 2_000)));
+        check("distance in f64", || {
+            let mut search = query.search(None, None);
+            query.seek(&mut search, 2_000);
+            black_box(search.gap());
+        });
     }
     check("PairBvtt::in_f64", || _ = black_box(PairBvtt::in_f64(bvh, bvh, &pose)).unwrap());
     for pose in [Pose64::IDENTITY, pose] {
