@@ -15,6 +15,7 @@
 
 use super::block::BlockCache;
 use super::cursor::STACK;
+use super::near::farthest_square;
 use super::posed_bvh::posed;
 use super::wide_node::WideNode;
 use super::{NodePair, PairBvtt, Query, TrianglePair};
@@ -333,12 +334,6 @@ impl Task for Step<'_, '_> {
         }
         spent
     }
-}
-
-/// Boxes are farther apart than `reach` if the square of their distance in f32 is greater than this: four roundings are below
-/// 2^-21 of it, and squares that underflow below the smallest normal number.
-fn farthest_square(reach: f32) -> f32 {
-    reach * reach * (1.0 + 1.0 / 1_048_576.0) + f32::MIN_POSITIVE
 }
 
 impl Search {

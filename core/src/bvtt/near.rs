@@ -7,7 +7,7 @@ use super::block::TriangleBlock;
 use super::cull::PairSets;
 use super::nearest::{Reach, certify};
 use super::planes::Planes;
-use crate::simd::point8::{Points, chunk_starts, load, splat};
+use crate::simd::point8::{Points, chunk_starts, difference, dot, highest, load, splat};
 use crate::simd::{LANES, Simd};
 use crate::{Aabb, Mesh};
 use glam::Vec3A;
@@ -39,6 +39,9 @@ impl TriangleBlock {
         let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
         let low = [S::splat(a), S::splat(b), S::splat(c)];
         let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], around);
+        // No shorter than the error, and without its square, which underflows.
+        let error_length = error.max_element() * 1.733;
+        let most = farthest_square((distance + error_length).next_up());
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
@@ -49,6 +52,9 @@ impl TriangleBlock {
             pairs.overlapping |= u64::from(found) << shift;
             if SELF && boxes_only {
                 continue;
+            }
+            if found != 0 {
+                found &= self.have_near_boxes::<S>(other, j, most);
             }
             if SELF {
                 found &= !self.share_certified_vertex::<S>(other, j);
@@ -69,8 +75,7 @@ impl TriangleBlock {
         let reach = Reach {
             scale: S::splat(scale),
             distance: S::splat(distance * scale),
-            // No shorter than its length, and without squares, which underflow.
-            error: S::splat(error.max_element() * scale * 1.733),
+            error: S::splat(error_length * scale),
         };
         while left != 0 {
             let mut group = Group::new();
@@ -80,6 +85,21 @@ impl TriangleBlock {
             pairs.open &= !(within | beyond);
         }
         pairs
+    }
+
+    /// Lanes whose box is not certainly farther from that of triangle `j` of `other` than a distance, of which this is the
+    /// [`farthest_square`].
+    #[inline(always)]
+    fn have_near_boxes<S: Simd>(&self, other: &Self, j: usize, most: f32) -> u32 {
+        let (low, high) = (splat::<S>(&other.min, j), splat::<S>(&other.max, j));
+        let (mut found, zero) = (0, [S::splat(0.0); 3]);
+        for at in chunk_starts::<S>() {
+            let (min, max) = (load::<S>(&self.min, at), load::<S>(&self.max, at));
+            let gap = highest(difference(low, max), difference(min, high));
+            let gap = highest(gap, zero);
+            found |= S::bits(dot(gap, gap).le(S::splat(most))) << at;
+        }
+        found
     }
 
     /// Lanes that a plane certainly holds apart from triangle `j` of `other`, by more than a distance.
@@ -108,6 +128,12 @@ impl TriangleBlock {
         }
         sharing
     }
+}
+
+/// Boxes are farther apart than `reach` if the square of their distance in f32 is greater than this: four roundings are below
+/// 2^-21 of it, and squares that underflow below the smallest normal number.
+pub(super) fn farthest_square(reach: f32) -> f32 {
+    reach * reach * (1.0 + 1.0 / 1_048_576.0) + f32::MIN_POSITIVE
 }
 
 /// A power of two by which the coordinates of two blocks, from a corner of theirs, become about 1 at most.
