@@ -4,7 +4,7 @@
 //! install. `data/mod.rs` says where the data is looked for.
 //!
 //! `PFRONT_GPU_FULL=1` asks about every frame of every recording, among them all 121 of `cloth/kick`,
-//! and about the epicyclic train in its own size. This takes a real GPU; without the variable the frames are
+//! and about a swarm of bodies in its own size. This takes a real GPU; without the variable the frames are
 //! as many as an adapter that computes on the CPU bears in a minute.
 
 #![cfg(all(feature = "recorded", feature = "gpu"))]
@@ -207,8 +207,8 @@ fn worm_gear() {
 
 /// Every pair of bodies whose boxes overlap, posed in the world by the host.
 #[test]
-fn epicyclic_train() {
-    let scene = Scene::by_name("epicyclic", (!full()).then_some(62_000)).unwrap();
+fn swarm() {
+    let scene = Scene::by_name("swarm", (!full()).then_some(20_000)).unwrap();
     let soups: Vec<MeshData> =
         (0..scene.objects.len()).map(|object| object_of(&scene, object)).collect();
     let (mut asker, mut poses, mut touching) = (Asker::default(), Vec::new(), 0);

@@ -162,12 +162,12 @@ fn models_in_a_world() {
 
 #[test]
 fn many_models() {
-    let train = Scene::by_name("epicyclic", None).unwrap();
-    let models = train.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone()));
+    let swarm = Scene::by_name("swarm", Some(40_000)).unwrap();
+    let models = swarm.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone()));
     let models: Vec<_> = models.map(|(p, t)| Arc::new(Model::new(p, t).unwrap())).collect();
     let (mut one, mut poses) = (SceneQuery::new(), Vec::new());
     let add = |scene: &mut SceneQuery| {
-        let objects = train.objects.iter();
+        let objects = swarm.objects.iter();
         objects.map(|&m| scene.add(models[m].clone(), Pose::IDENTITY).unwrap()).collect::<Vec<_>>()
     };
     let ids = add(&mut one);
@@ -175,7 +175,7 @@ fn many_models() {
         let mut many = SceneQuery::new().on(&pool.into());
         assert_eq!(add(&mut many), ids);
         for frame in [3, 4] {
-            train.poses(frame, &mut poses);
+            swarm.poses(frame, &mut poses);
             for (&id, &rows) in ids.iter().zip(&poses) {
                 one.set_pose(id, Pose::new(rows)).unwrap();
                 many.set_pose(id, Pose::new(rows)).unwrap();

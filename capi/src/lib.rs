@@ -24,8 +24,6 @@ mod buffers;
 mod build;
 mod bvh;
 mod cursor;
-#[cfg(all(test, target_arch = "x86_64", not(miri)))]
-mod environment;
 #[cfg(feature = "std")]
 mod executor;
 mod front;

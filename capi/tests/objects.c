@@ -1,4 +1,4 @@
-// What models, scenes and lists do when they are freed, freed twice, copied, forked, and used by two threads: the table of
+// What models, scenes and lists do when they are freed, freed twice, copied, and used by two threads: the table of
 // README.md. With an argument only everything is asked, PFRONT_ROUNDS times, and the process ends in that way: return, exit,
 // error, thread, open.
 
@@ -7,9 +7,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #ifndef WORKERS
 #define WORKERS 1
@@ -203,50 +201,6 @@ static void two_threads(void)
     OK(pfront_model_free(model, &error));
 }
 
-// A child has the scene of its parent, but not the threads.
-static void forked(void)
-{
-    pfront_model_t *model;
-    uint64_t bodies[2], many;
-    int status = 1;
-    pfront_model_t *second;
-    pfront_scene_t *scene = two(&model, bodies, 1), *threaded = two(&second, bodies, WORKERS), *third = NULL;
-    pfront_executor_t *executor, *another = NULL;
-    OK(pfront_executor_create(PFRONT_CPU, WORKERS, &executor, &error));
-    size_t count = hits_of(scene);
-    THAT(count > 0 && hits_of(threaded) == count);
-    pid_t child = fork();
-    if (child == 0) {
-        alarm(20);
-        const pfront_pose_t pose = at(0.25f);
-        OK(pfront_scene_set_pose(scene, bodies[1], &pose, &error));
-        THAT(hits_of(scene) > 0);
-#if WORKERS > 1
-        EXPECT(PFRONT_FORKED, "scene", pfront_scene_count(threaded, &many, &error));
-        EXPECT(PFRONT_FORKED, "workers", pfront_executor_create(PFRONT_CPU, WORKERS, &another, &error));
-        EXPECT(PFRONT_FORKED, "executor", pfront_scene_create(executor, &third, &error));
-#else
-        OK(pfront_scene_count(threaded, &many, &error));
-        THAT(many == count);
-        OK(pfront_executor_create(PFRONT_CPU, WORKERS, &another, &error));
-        OK(pfront_executor_free(another, &error));
-        OK(pfront_scene_create(executor, &third, &error));
-        OK(pfront_scene_free(third, &error));
-#endif
-        OK(pfront_scene_free(threaded, &error));
-        OK(pfront_scene_free(scene, &error));
-        OK(pfront_executor_free(executor, &error));
-        _exit(wrong);
-    }
-    THAT(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    THAT(hits_of(scene) == count && hits_of(threaded) == count);
-    OK(pfront_scene_free(scene, &error));
-    OK(pfront_scene_free(threaded, &error));
-    OK(pfront_executor_free(executor, &error));
-    OK(pfront_model_free(model, &error));
-    OK(pfront_model_free(second, &error));
-}
-
 #ifdef TWICE
 // The second time finds no seal: memory checkers see before that freed memory is read.
 static void freed_twice(void)
@@ -303,7 +257,6 @@ int main(int count, char **arguments)
     copies();
     copies_of_plain_data();
     two_threads();
-    forked();
 #ifdef TWICE
     freed_twice();
 #endif

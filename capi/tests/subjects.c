@@ -250,12 +250,16 @@ static void forked(void)
 {
     int status = 1;
     uint64_t many = 0;
-    pfront_scene_t *scene = NULL;
+    pfront_scene_t *scene = NULL, *alone = scene_of(1), *third = NULL;
     pfront_model_query_t *query = NULL;
     pfront_executor_t *own = NULL;
+    uint64_t body[2];
     const pfront_subject_t subject = {model, NULL, NULL, NULL, PFRONT_SHARED_INDEX};
     OK(pfront_scene_create(executor, &scene, &error));
     OK(pfront_model_query_create(executor, &query, &error));
+    for (int i = 0; i < 2; i++) {
+        OK(pfront_scene_add(alone, model, &still, &body[i], &error));
+    }
     pid_t child = fork();
     if (child == 0) {
         alarm(20);
@@ -263,14 +267,29 @@ static void forked(void)
         OK(pfront_batch_count(own, &subject, 1, &many, &error));
         THAT(many > 0);
         OK(pfront_executor_free(own, &error));
+        // What has neither is moved, asked and freed there.
+        const pfront_pose_t pose = at(0.25f);
+        OK(pfront_scene_set_pose(alone, body[1], &pose, &error));
+        OK(pfront_scene_count(alone, &many, &error));
+        THAT(many > 0);
 #ifdef WITH_GPU
         EXPECT(PFRONT_FORKED, "device", pfront_executor_create(PFRONT_GPU, 1, &own, &error));
 #endif
         if (WORKERS > 1 || DEVICE != PFRONT_CPU) {
+            EXPECT(PFRONT_FORKED, "executor", pfront_scene_create(executor, &third, &error));
             EXPECT(PFRONT_FORKED, "query", pfront_model_query_count(query, &subject, &many, &error));
             EXPECT(PFRONT_FORKED, "scene", pfront_scene_count(scene, &many, &error));
             EXPECT(PFRONT_FORKED, "executor", pfront_batch_count(executor, &subject, 1, &many, &error));
+        } else {
+            OK(pfront_model_query_count(query, &subject, &many, &error));
+            OK(pfront_scene_count(scene, &many, &error));
+            OK(pfront_scene_create(executor, &third, &error));
+            OK(pfront_scene_free(third, &error));
         }
+#if WORKERS > 1
+        EXPECT(PFRONT_FORKED, "workers", pfront_executor_create(PFRONT_CPU, WORKERS, &own, &error));
+#endif
+        OK(pfront_scene_free(alone, &error));
         OK(pfront_model_query_free(query, &error));
         OK(pfront_scene_free(scene, &error));
         OK(pfront_executor_free(executor, &error));
@@ -282,6 +301,9 @@ static void forked(void)
     OK(pfront_model_query_count(query, &subject, &many, &error));
     THAT(many > 0);
     OK(pfront_model_query_free(query, &error));
+    OK(pfront_scene_count(alone, &many, &error));
+    THAT(many > 0);
+    OK(pfront_scene_free(alone, &error));
     OK(pfront_scene_free(scene, &error));
 }
 

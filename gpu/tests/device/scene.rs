@@ -28,15 +28,15 @@ fn somewhere(size: f32, rng: &mut ChaCha8Rng) -> Pose {
 }
 
 #[test]
-fn a_train_of_gears() {
-    let train = scenes::Scene::by_name("epicyclic", Some(1)).unwrap();
-    assert_eq!(train.kind(), Kind::Many);
-    let meshes = train.meshes.iter();
+fn bodies_that_circle_through_each_other() {
+    let swarm = scenes::Scene::by_name("swarm", Some(10_000)).unwrap();
+    assert_eq!(swarm.kind(), Kind::Many);
+    let meshes = swarm.meshes.iter();
     let parts: Vec<_> = meshes.map(|mesh| Both::new(&mesh.positions, &mesh.triangles, 4)).collect();
-    let bodies = train.objects.iter().map(|&mesh| (&parts[mesh], Pose::IDENTITY)).collect();
+    let bodies = swarm.objects.iter().map(|&mesh| (&parts[mesh], Pose::IDENTITY)).collect();
     let (mut scene, mut poses, mut found) = (Scene::new(world(), bodies), Vec::new(), 0);
-    for frame in (0..train.frames()).step_by(train.frames() / 3) {
-        train.poses(frame, &mut poses);
+    for frame in (0..swarm.frames()).step_by(swarm.frames() / 3) {
+        swarm.poses(frame, &mut poses);
         for (number, &rows) in poses.iter().enumerate() {
             scene.set_pose(number, Pose::new(rows)).unwrap();
         }

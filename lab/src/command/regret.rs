@@ -51,7 +51,7 @@ const CASES: [(&str, usize, u32); 14] = [
     ("torus-knots", 20_000, 300),
     ("worm-gear", 64_000, 20),
     ("worm-gear", 64_000, 300),
-    ("epicyclic", 149_000, 60),
+    ("swarm", 149_000, 60),
     ("course", 116_000, 60),
     ("sheet", 92_000, 60),
     ("spheres", 500_000, 100),

@@ -166,7 +166,7 @@ impl Site {
 /// The scenes, and the frames of each that are harvested: some in which its bodies touch.
 const SCENES: [(&str, &[usize]); 4] = [
     ("worm-gear", &[0, 17, 34, 51, 68, 85, 102]),
-    ("epicyclic", &[0, 31, 62]),
+    ("swarm", &[0, 31, 62]),
     ("torus-knots", &[35, 45, 55, 65, 75, 85]),
     ("sheet", &[60, 80, 100]),
 ];

@@ -83,7 +83,7 @@ impl Suite {
         Self { seed, sets: Family::ALL.map(Set::Family).into() }
     }
 
-    /// [`Suite::of_families`], and the contacts of the generated scenes: worm drive, epicyclic gears, torus
+    /// [`Suite::of_families`], and the contacts of the generated scenes: worm drive, swarm, torus
     /// knots and folded sheet, in about `size` triangles each or as many as is usual.
     ///
     /// # Errors

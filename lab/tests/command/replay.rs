@@ -13,9 +13,7 @@ fn lines(text: &str) -> Vec<Vec<&str>> {
 fn recordings_replay_alike_on_threads_and_on_a_gpu() {
     let folder = folder();
     let at = folder.path();
-    for (scene, size, kind) in
-        [("worm-gear", 8000, 0), ("sheet", 2000, 1), ("epicyclic", 62_000, 2)]
-    {
+    for (scene, size, kind) in [("worm-gear", 8000, 0), ("sheet", 2000, 1), ("swarm", 9_000, 2)] {
         let recorded = out(at, &format!("record {scene} w.tcw --size {size} --frames 3"));
         assert!(recorded.contains("3 frames"), "{recorded}");
         assert_eq!(fs::read(at.join("w.tcw")).unwrap()[8], kind, "{scene}");

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::scene::{FRAMES, Scene};
-use super::{epicyclic, knot, passing, sheet, worm};
+use super::{knot, passing, sheet, worm};
 
 /// Far more than any benchmark needs, and far below what 32-bit indices can number.
 const MOST_TRIANGLES: usize = 100_000_000;
@@ -28,13 +28,13 @@ pub enum SceneError {
 impl Scene {
     /// The names that [`Scene::by_name`] knows.
     pub const NAMES: [&'static str; 6] =
-        ["worm-gear", "epicyclic", "sheet", "torus-knots", "spheres", "course"];
+        ["worm-gear", "swarm", "sheet", "torus-knots", "spheres", "course"];
 
     /// The scene called `name` in about `size` triangles, all objects together.
     ///
-    /// Without a size: as many as in the paper (worm-gear 64K, epicyclic 149K, sheet 92K, course
+    /// Without a size: as many as in the paper (worm-gear 64K, swarm 149K, sheet 92K, course
     /// 2 × 58K), 2 × 50K for the others. A size below what the shape needs gives the coarsest one,
-    /// which has 61,248 triangles for epicyclic, 7,552 for worm-gear, 768 or fewer for the others.
+    /// which has 7,552 triangles for worm-gear, 3,252 for swarm, 768 or fewer for the others.
     ///
     /// # Errors
     /// [`SceneError`] for a name not in [`Scene::NAMES`] or a size above 100 million.
@@ -44,7 +44,7 @@ impl Scene {
         }
         Ok(match name {
             "worm-gear" => worm::scene(size.unwrap_or(worm::TRIANGLES)),
-            "epicyclic" => epicyclic::scene(size.unwrap_or(epicyclic::TRIANGLES)),
+            "swarm" => passing::swarm(size.unwrap_or(149_000)),
             "sheet" => sheet::scene(size.unwrap_or(sheet::TRIANGLES)),
             "torus-knots" => passing::torus_knots(size.unwrap_or(100_000)),
             "spheres" => passing::spheres(size.unwrap_or(100_000)),

@@ -1,15 +1,16 @@
 //! Two equal bodies of which the second turns and passes through the first: coherent motion with
-//! contact that begins, grows and ends, as the paper's pair of Buddhas (Fig. 7).
+//! contact that begins, grows and ends, as the paper's pair of Buddhas (Fig. 7); and many bodies that
+//! circle through each other.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
 use super::knot::torus_knot;
-use super::pose::{about_y, about_z, shift};
+use super::pose::{about_y, about_z, round, shift};
 use super::scene::{FRAMES, Motion, Scene};
 use super::sphere::icosphere;
-use crate::MeshData;
+use crate::{MeshData, Rows};
 
 /// Two bumpy torus knots, about `triangles` triangles together.
 pub(crate) fn torus_knots(triangles: usize) -> Scene {
@@ -19,6 +20,33 @@ pub(crate) fn torus_knots(triangles: usize) -> Scene {
 /// Two icospheres, about `triangles` triangles together.
 pub(crate) fn spheres(triangles: usize) -> Scene {
     passing("spheres", icosphere(triangles / 2))
+}
+
+/// Bodies of a swarm.
+const BODIES: usize = 17;
+
+/// Icospheres and torus knots in turn on three rings, of which the middle one turns the other way:
+/// about `triangles` triangles of all.
+pub(crate) fn swarm(triangles: usize) -> Scene {
+    let each = triangles / BODIES;
+    let poses = |frame: usize, out: &mut Vec<Rows>| {
+        let time = frame as f64 / FRAMES as f64;
+        out.clear();
+        out.extend((0..BODIES).map(|body| {
+            let (share, ring) = (body as f64 / BODIES as f64, (body % 3) as f64);
+            let turned = if body % 3 == 1 { -time } else { time };
+            let wave = 0.4 * libm::sin(TAU * (3.0 * share + time));
+            let place = shift(DVec3::new(4.0 + 1.2 * ring, 0.0, wave));
+            round(about_z(TAU * (share + turned)) * place * about_y(TAU * time * (1.0 + ring)))
+        }));
+    };
+    Scene {
+        name: "swarm",
+        meshes: vec![icosphere(each), torus_knot(each)],
+        objects: (0..BODIES).map(|body| body % 2).collect(),
+        frames: FRAMES,
+        motion: Motion::Many(Box::new(poses)),
+    }
 }
 
 /// The second copy of `mesh` travels along x, past the first a little off centre.

@@ -1,16 +1,12 @@
-//! Tooth flanks from the law of gearing, the one formula behind every gear of these scenes.
+//! Tooth flanks from the law of gearing.
 //!
 //! A toothed body of pitch radius R that turns while a rack slides past it by the arc R · angle
 //! stays in touch with a point of the rack when the rack's normal there passes through the pitch
-//! point. A straight rack gives the involute of spur gears. A plane section of a worm slides like a
+//! point. A plane section of a worm slides like a
 //! rack when the worm turns, so it gives the wheel that meshes with that worm, section by section.
 
 use glam::DVec3;
 
-/// Lengths are in modules (gear diameter ÷ teeth): a tooth reaches 1 above the pitch circle.
-pub(crate) const ADDENDUM: f64 = 1.0;
-/// How far a gap between teeth reaches below the pitch circle.
-pub(crate) const DEDENDUM: f64 = 1.25;
 /// Tangent of the pressure angle, 20°.
 pub(crate) const TAN_PRESSURE: f64 = 0.363_970_234_266_202_4;
 /// How deep the smooth flanks of a meshing pair overlap. Faceted gears that only touch in theory
