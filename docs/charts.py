@@ -3,7 +3,7 @@
 import csv, math, pathlib
 from html import escape
 HERE = pathlib.Path(__file__).parent
-COLOURS = "#0072b2 #d55e00 #009e73 #a0428a #000000 #b07a00 #3a86c8 #777777 #8b4513".split()
+COLOURS = "#0072b2 #d55e00 #009e73 #a0428a #000000 #b07a00 #3a86c8 #777777 #8b4513 #e377c2".split()
 MARKS = ["M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0z", "M-4.5,-4.5h9v9h-9z", "M0,-6L5.5,4.5h-11z", "M0,-6L6,0L0,6L-6,0z", "M0,6L5.5,-4.5h-11z"]
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 400, 270, 74, 12, 40, 46
 SOURCES = {"family": "made to be hard", "contact": "from scenes in contact", "family in f64": "made to be hard, in f64"}
@@ -28,10 +28,10 @@ def panel(x0, y0, title, what, points, names):
     out.append(text(left - 6, zero + 4, 12, "end", "0"))
     for x in range(x_range[0], x_range[1] + 1):
         lines.append((at_x(x), bottom, at_x(x), top, "#ddd"))
-        out.append(text(at_x(x), bottom + 16, 12, "middle", f"{10**x:g}"))
+        out.append(text(at_x(x), bottom + 16, 12, "middle", f"{10**x:,}"))
     for y in range(y_range[0], y_range[1] + 1):
         lines.append((left, at_y(y), right, at_y(y), "#ddd"))
-        out.append(text(left - 6, at_y(y) + 4, 12, "end", f"{10.0**y:g}"))
+        out.append(text(left - 6, at_y(y) + 4, 12, "end", f"{10**y:,}"))
     middle = (top + bottom) / 2
     out.append(text(x0 + 14, middle, 12, "middle", f"{what} per million", f'transform="rotate(-90 {x0 + 14} {middle})"'))
     out[:0] = [f'<line x1="{a:.1f}" y1="{b:.1f}" x2="{c:.1f}" y2="{d:.1f}" stroke="{colour}"/>' for a, b, c, d, colour in lines]

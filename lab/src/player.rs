@@ -4,9 +4,7 @@ use crate::workload::{Frame, Header};
 use anyhow::{Context, Result, bail, ensure};
 use pfront::executor::Plan;
 use pfront::threads::Report;
-use pfront::{
-    Adjacency, BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair,
-};
+use pfront::{BodyId, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery, TrianglePair};
 use pfront_testkit::scenes::Kind;
 use std::sync::Arc;
 
@@ -64,11 +62,11 @@ enum Subject {
 }
 
 impl Player {
-    /// Makes the query; `adjacency` is the rule for triangles of one mesh that share vertices.
+    /// Makes the query.
     ///
     /// # Errors
     /// If there are more triangles than u32 can number, or a scene refuses a body.
-    pub fn new(objects: Objects, adjacency: Adjacency, executor: &Executor) -> Result<Self> {
+    pub fn new(objects: Objects, executor: &Executor) -> Result<Self> {
         let Objects { kind, mut models } = objects;
         Ok(Self(match (kind, &models[..]) {
             (Kind::Pair, [a, b]) => Subject::Pair {
@@ -77,8 +75,8 @@ impl Player {
                 query: PairQuery::new().on(executor),
             },
             (Kind::SelfMesh, [_]) => {
-                let query = SelfQuery::new().with_adjacency(adjacency);
-                Subject::SelfMesh { model: models.remove(0), query: query.on(executor) }
+                let query = SelfQuery::new().on(executor);
+                Subject::SelfMesh { model: models.remove(0), query }
             }
             _ => {
                 let mut query = SceneQuery::new().on(executor);
@@ -87,8 +85,7 @@ impl Player {
                     let triangles = u32::try_from(model.mesh().triangles().len())?;
                     bodies.push((query.add(model, Pose::IDENTITY)?, first));
                     let next = first.checked_add(triangles);
-                    first =
-                        next.context("more triangles than u32 can number: leave out objects")?;
+                    first = next.context("more triangles than u32 can number")?;
                 }
                 Subject::Many { query, bodies, pairs: Vec::new() }
             }
@@ -112,10 +109,8 @@ impl Player {
             }
             (Subject::Many { query, bodies, .. }, Frame::Poses(poses)) => {
                 ensure!(poses.len() == bodies.len(), "a frame of {} objects", poses.len());
-                let placed = bodies.iter().zip(poses);
-                Ok(placed
-                    .into_iter()
-                    .try_for_each(|((body, _), &pose)| query.set_pose(*body, pose))?)
+                let mut placed = bodies.iter().zip(poses);
+                Ok(placed.try_for_each(|((body, _), &pose)| query.set_pose(*body, pose))?)
             }
             _ => bail!("the frame is of another kind than the objects"),
         }

@@ -1,10 +1,9 @@
-//! Workload and pair files: what is written is read again, and no file that lies is believed. Files of arbitrary bytes:
+//! Workload files: what is written is read again, and no file that lies is believed. Files of arbitrary bytes:
 //! `fuzz/fuzz_targets/workload.rs`.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::{Pose, TrianglePair};
-use pfront_lab::pairs::{self, PairWriter};
+use pfront::Pose;
 use pfront_lab::workload::{Frame, Header, Workload, WorkloadWriter};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::Kind;
@@ -122,23 +121,4 @@ fn lies_are_refused_where_they_are() {
     let poses = written(Kind::Pair).len() - 3 * 2 * 48;
     let error = with(Kind::Pair, poses + 2 * 48 + 12, 1.0_f32.to_bits());
     assert!(error.starts_with(&format!("at byte {}: object 0", poses + 2 * 48)), "{error}");
-}
-
-#[test]
-fn pair_files_come_back() {
-    let pair = |a, b| TrianglePair { a, b };
-    let frames = [vec![pair(0, 1), pair(0, 2), pair(3, 1)], vec![], vec![pair(7, 9)]];
-    let mut bytes = Vec::new();
-    let mut to = PairWriter::new(&mut bytes, 3).unwrap();
-    frames.iter().for_each(|pairs| to.frame(pairs).unwrap());
-    assert_eq!(bytes.len(), 16 + 3 * 8 + 4 * 8);
-    assert_eq!(pairs::read(Cursor::new(&bytes)).unwrap(), frames);
-    for length in 0..bytes.len() {
-        let error = pairs::read(Cursor::new(&bytes[..length])).unwrap_err().to_string();
-        assert!(error.contains("too few for"), "cut to {length}: {error}");
-    }
-    // Exchanges the first triangles of the second and the third pair.
-    bytes.swap(32, 40);
-    let error = pairs::read(Cursor::new(&bytes)).unwrap_err().to_string();
-    assert_eq!(error, "at byte 40: the pairs are not sorted");
 }

@@ -101,28 +101,6 @@ fn the_textbook_is_right_in_general_position() {
     }
 }
 
-/// The percentages of `accuracy.md`, as far as they do not depend on how a family is made in detail.
-#[test]
-fn the_textbook_is_wrong_where_it_is_known_to_be() {
-    let near = |found: f64, known: f64| assert!((found - known).abs() < 0.15 * known, "{found}");
-    let [epsilon, none] = ["Möller 1997, ε = 1e-6", "Möller 1997, ε = 0"];
-    let [f32, f64] = ["Guigue-Devillers, f32", "Guigue-Devillers, f64"];
-    let axes = "17 separating axes, f32";
-    near(wrong(epsilon, Family::VertexFaceGap7)[1], 50.0);
-    near(wrong(none, Family::VertexFaceGap8)[1], 27.0);
-    near(wrong(none, Family::SharedVertex)[0], 36.0);
-    near(wrong(f32, Family::SharedVertex)[0], 28.0);
-    near(wrong(f64, Family::SharedVertex)[0], 20.0);
-    for (test, family) in
-        [(none, Family::MeshLike), (f32, Family::MeshLike), (f64, Family::VertexFaceGap8)]
-    {
-        assert!(wrong(test, family).iter().sum::<f64>() < 0.1, "{test}");
-    }
-    assert_eq!(wrong(axes, Family::SharedVertex), [0.0; 2]);
-    assert!(wrong(axes, Family::VertexFaceGap8)[1] > 25.0);
-    near(wrong("parry3d's own (GJK), f32", Family::VertexFaceGap8)[1], 50.0);
-}
-
 #[cfg(feature = "gpu")]
 #[test]
 fn a_gpu_is_right() {

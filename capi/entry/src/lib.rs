@@ -30,7 +30,7 @@ pub fn entry(_: TokenStream, item: TokenStream) -> TokenStream {
     let mut in_c = call.split_off(call.iter().position(is_comma).unwrap_or(call.len()));
     in_c.pop_if(|token| is_comma(token));
     let in_c = [stream(in_c.into_iter().skip(1)), code(", error: *mut crate::pfront_error_t")];
-    // Whoever calls a function that has `error` keeps to the contract of the header, which is that of `Caller::trusted`.
+    // The caller of a function that has `error` keeps to the contract of the header, which is that of `Caller::trusted`.
     let body = [
         code("#[deny(unsafe_code)] let body = |"),
         stream(call),

@@ -91,10 +91,9 @@ fn soups_of_every_family() {
         for place in [[0.0; 3], FAR] {
             let [a, b] = [0; 2].map(|_| Exact::new(&family(f, 100, &mut rng), place, &mut rng));
             let rows = pose_rows(0.1, &mut rng);
-            for pose in [Pose64::IDENTITY, around(place, rows)] {
-                let found = check(gpu(), &mut query, &a, &b, &pose);
-                (0..2).for_each(|i| sums[i] += found[i]);
-            }
+            let pose = if place == FAR { Pose64::IDENTITY } else { around(place, rows) };
+            let found = check(gpu(), &mut query, &a, &b, &pose);
+            (0..2).for_each(|i| sums[i] += found[i]);
         }
     }
     assert!(sums[0] > 1000 && sums[1] > 1000, "{sums:?}");

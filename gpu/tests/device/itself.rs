@@ -50,11 +50,9 @@ fn flat_folded_and_coinciding_surfaces() {
     let rolled = sheet(18, |_, _| 0.0).map(|[x, y, _]| [(4.0 * x).cos(), (4.0 * x).sin() * 0.9, y]);
     let folded = sheet(12, |_, _| 0.0).map(|[x, y, z]| [x.abs(), y, z]);
     let balls = [sphere(16), sphere(16).map(|[x, y, z]| [x + 0.5, y, z])];
-    for soup in [flat.clone(), rolled, folded, union(&balls), union(&[flat.clone(), flat, tilted])]
-    {
-        for leaf_size in [1, 4] {
-            check(&mut query, &both(&soup, leaf_size));
-        }
+    let soups = [flat.clone(), rolled, folded, union(&balls), union(&[flat.clone(), flat, tilted])];
+    for (soup, leaf_size) in soups.iter().zip([1, 4].into_iter().cycle()) {
+        check(&mut query, &both(soup, leaf_size));
     }
     let settings = GpuSettings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
     let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
@@ -76,7 +74,7 @@ fn tangles_of_shared_indices() {
 fn pairs_of_every_family_that_share_indices() {
     let mut rng = seeded(22);
     let mut query = GpuQuery::new(gpu()).unwrap();
-    for f in Family::ALL {
+    for (f, leaf_size) in Family::ALL.into_iter().zip([2, 8].into_iter().cycle()) {
         let mut soup = MeshData::default();
         for _ in 0..200 {
             let (positions, a, b) = f.indexed(&mut rng);
@@ -84,7 +82,6 @@ fn pairs_of_every_family_that_share_indices() {
             soup.positions.extend(positions);
             soup.triangles.extend([a, b].map(|t| t.map(|v| v + first)));
         }
-        check(&mut query, &both(&soup, 2));
-        check(&mut query, &both(&family(f, 40, &mut rng), 8));
+        check(&mut query, &both(&union(&[soup, family(f, 40, &mut rng)]), leaf_size));
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion, Timing};
 use pfront::threads::{Pool, Report};
-use pfront::{Adjacency, Executor, TrianglePair};
+use pfront::{Executor, TrianglePair};
 use pfront_cli::executor::adapter_name;
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -85,7 +85,7 @@ fn played(asked: &Profile, scene: &str, p: usize) -> Result<Row> {
     let executor = Executor::from(Pool::from(pool).measured());
     let (header, mut recording) = Recording::open(scene, asked.size, asked.frames)?;
     let bar = progress(header.frames.into(), "frame");
-    let mut player = Player::new(Objects::new(header)?, Adjacency::default(), &executor)?;
+    let mut player = Player::new(Objects::new(header)?, &executor)?;
     let mut frames = Vec::new();
     while let Some(frame) = recording.next_frame()? {
         let clock = Instant::now();

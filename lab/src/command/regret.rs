@@ -7,7 +7,7 @@
 use super::progress;
 use anyhow::{Result, ensure};
 use clap::Args;
-use pfront::{Adjacency, Executor};
+use pfront::Executor;
 use pfront_cli::executor::{Backend, adapter_name, number, parse_threads, threads};
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -183,7 +183,7 @@ fn play(
     }
     let (_, mut recording) = Recording::open(&case.name, case.size, case.frames)?;
     let clock = Instant::now();
-    let mut player = Player::new(objects, Adjacency::default(), executor)?;
+    let mut player = Player::new(objects, executor)?;
     let mut whole = clock.elapsed();
     while let Some(frame) = recording.next_frame()? {
         let clock = Instant::now();

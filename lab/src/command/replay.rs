@@ -3,7 +3,6 @@
 use super::progress;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
-use pfront::Adjacency;
 use pfront_cli::executor::ExecutorArgs;
 use pfront_cli::memory;
 use pfront_cli::output::{Draft, out};
@@ -25,9 +24,6 @@ pub(crate) struct Replay {
     /// Find all pairs of a frame, or stop at the first
     #[arg(long, value_enum, default_value_t = Mode::All)]
     mode: Mode,
-    /// Leave out every pair within one mesh that shares a vertex
-    #[arg(long)]
-    skip_neighbours: bool,
     /// Write the pairs of every frame here
     #[arg(long, value_name = "FILE")]
     pairs: Option<PathBuf>,
@@ -86,14 +82,10 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
     let open = || Recording::open(&replay.file, replay.size, replay.frames);
     let (header, mut recording) = open()?;
     let frames = header.frames;
-    let adjacency = match replay.skip_neighbours {
-        true => Adjacency::SkipNeighbours,
-        false => Adjacency::SharedIndexRule,
-    };
     let executor = replay.executor.open()?;
     let start = Clock::now();
     let objects = Objects::new(header).with_context(file)?;
-    let mut player = Player::new(objects, adjacency, &executor)?;
+    let mut player = Player::new(objects, &executor)?;
     let [build, build_cpu] = Clock::now().since(start);
 
     let mut pairs = match &replay.pairs {

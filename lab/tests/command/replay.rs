@@ -1,12 +1,28 @@
 //! `pfront-lab record`, `replay`, `profile` and `regret`.
 
 use super::{folder, out, refused};
-use pfront_lab::pairs;
-use std::fs::{self, File};
+use std::fs;
+use std::path::Path;
 
 /// The lines of a run, each split at tabs.
 fn lines(text: &str) -> Vec<Vec<&str>> {
     text.lines().map(|line| line.split('\t').collect()).collect()
+}
+
+/// The pairs of each frame of a pair file, which are sorted.
+fn pairs(file: &Path) -> Vec<Vec<[u32; 2]>> {
+    let bytes = fs::read(file).unwrap();
+    let words: Vec<u32> =
+        bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect();
+    let (mut rest, mut frames) = (&words[4..], Vec::new());
+    while let [count, 0, more @ ..] = rest {
+        let (pairs, behind) = more.split_at(2 * *count as usize);
+        frames.push(pairs.as_chunks().0.to_vec());
+        rest = behind;
+    }
+    assert!(bytes.starts_with(b"TRICOLP1") && words[2] as usize == frames.len() && rest.is_empty());
+    assert!(frames.iter().all(|pairs| pairs.is_sorted()));
+    frames
 }
 
 #[test]
@@ -25,7 +41,7 @@ fn recordings_replay_alike_on_threads_and_on_a_gpu() {
             assert_eq!((lines[0][0], lines[4][0]), ("BUILD", "RSS"));
             assert!(lines[4][1].parse::<u64>().unwrap() > 1 << 20);
             assert_eq!(lines[4][2], "bytes");
-            let frames = pairs::read(File::open(at.join("w.tcp")).unwrap()).unwrap();
+            let frames = pairs(&at.join("w.tcp"));
             for (i, (line, frame)) in lines[1..4].iter().zip(&frames).enumerate() {
                 let wanted = [i, frame.len()].map(|n| n.to_string());
                 assert_eq!([line[0], line[1], line[4]], ["FRAME", &wanted[0], &wanted[1]]);
@@ -66,24 +82,6 @@ fn meshes_sway_or_take_turns() {
 }
 
 #[test]
-fn neighbours_are_skipped() {
-    let folder = folder();
-    let at = folder.path();
-    // Two triangles that share a vertex and meet elsewhere too.
-    let words = [1_u32, 1, 1, 1, 5, 2].map(u32::to_le_bytes).concat();
-    let positions =
-        [[0.0_f32; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.0, 1.0, 1.0], [1.0, 2.0, -1.0]];
-    let positions = positions.as_flattened().iter().flat_map(|x| x.to_le_bytes());
-    let positions: Vec<u8> = positions.collect();
-    let rest = [0_u32, 1, 2, 0, 3, 4, 0].map(u32::to_le_bytes).concat();
-    let file = [&b"TRICOLW1"[..], &words, &positions, &rest, &positions].concat();
-    fs::write(at.join("w.tcw"), file).unwrap();
-    let count =
-        |options: &str| lines(&out(at, &format!("replay w.tcw {options}")))[1][4].to_owned();
-    assert_eq!([count(""), count("--skip-neighbours")], ["1", "0"]);
-}
-
-#[test]
 fn files_are_replaced_only_by_whole_ones() {
     let folder = folder();
     let at = folder.path();
@@ -91,7 +89,7 @@ fn files_are_replaced_only_by_whole_ones() {
     let whole = fs::read(at.join("s.tcw")).unwrap();
     // The pairs go where the workload is read from.
     out(at, "replay s.tcw --pairs s.tcw");
-    assert_eq!(pairs::read(File::open(at.join("s.tcw")).unwrap()).unwrap().len(), 3);
+    assert_eq!(pairs(&at.join("s.tcw")).len(), 3);
     fs::write(at.join("s.tcw"), &whole).unwrap();
     // A frame that cannot be run leaves what stood there.
     let mut broken = whole.clone();
