@@ -66,7 +66,7 @@ fn main() -> Result<(), Error> {
 fn clearance(scene: &mut SceneQuery, links: &[BodyId]) -> Result<f64, Error> {
     let mut least = f64::from(CAUTIOUS);
     for &link in links {
-        // What is farther does not matter, and is not looked for.
+        // All that is farther does not matter, and is not looked for.
         if let Some((_, gap)) = scene.distance_below(link, CAUTIOUS)? {
             least = least.min(gap.interval[0]);
         }

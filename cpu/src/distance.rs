@@ -61,7 +61,7 @@ impl Pool {
     }
 }
 
-/// What the threads of a search share.
+/// The state that the threads of a search share.
 struct Run<'r, 'a> {
     query: &'r PairBvtt<'a>,
     cancel: Option<&'r AtomicBool>,
@@ -74,7 +74,7 @@ struct Run<'r, 'a> {
     most: AtomicUsize,
     /// The least reach, by its bits: below 0 they are less than all others as those of integers.
     reach: AtomicI32,
-    /// What those have found that are done.
+    /// The findings of the threads that are done.
     found: Mutex<Option<Search>>,
 }
 

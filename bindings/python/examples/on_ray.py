@@ -19,8 +19,8 @@ class Holder:
     def __init__(self, a, b):
         self.two = a, b
 
-    def ask(self, what, poses, within):
-        return getattr(pf, what)(*self.two, poses, within=within)
+    def ask(self, what, poses, options):
+        return getattr(pf, what)(*self.two, poses, **options)
 
 
 class OnRay:
@@ -30,10 +30,10 @@ class OnRay:
         self.actors = [Holder.remote(a, b) for _ in range(actors)]
         self.next = 0
 
-    def submit(self, _task, what, _a, _b, poses, within):
+    def submit(self, _task, what, _a, _b, poses, options):
         actor = self.actors[self.next % len(self.actors)]
         self.next += 1
-        return actor.ask.remote(what, poses, within).future()
+        return actor.ask.remote(what, poses, options).future()
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ impl PoseBatch<'_> {
         &self,
         py: Python<'_>,
         on: &Executor,
-        verb: fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error>,
+        verb: impl Fn(&mut Batch, &pfront::Executor) -> Result<Ticket<T>, Error> + Sync,
         mut read: impl FnMut(&[AnyPose], T) -> PyResult<()>,
     ) -> PyResult<()> {
         let Self { models: [a, b], poses, progress, within } = self;

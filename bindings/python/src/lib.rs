@@ -11,6 +11,7 @@ mod arrays;
 mod asking;
 mod batch;
 mod contacts;
+mod distance;
 mod ending;
 mod errors;
 mod executor;
@@ -44,6 +45,8 @@ mod _pfront {
     #[pymodule_export]
     use crate::contacts::contacts;
     #[pymodule_export]
+    use crate::distance::distance;
+    #[pymodule_export]
     use crate::ending::forked;
     #[pymodule_export]
     use crate::executor::{Executor, adapters};
@@ -52,7 +55,7 @@ mod _pfront {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::question::{all, any, count, distance, first};
+    use crate::question::{all, any, at_least, count, first};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

@@ -11,6 +11,7 @@ use crate::part::{Part, PartQuery};
 use crate::poses::Poses;
 use crate::threads::apart;
 use pfront::pfront_core::bvtt::{AnyBvtt, SelfBvtt};
+use pfront::pfront_core::environment::with_default;
 use pfront::{AnyPose, Batch, Distance, Error, PairQuery, SelfQuery, TrianglePair};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -30,15 +31,16 @@ impl FromPyObject<'_, '_> for Within {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
-        let distance = Distance::at_least(given.extract()?);
+        let number = given.extract()?;
+        let distance = with_default(|| Distance::at_least(number));
         distance.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 }
 
 /// The distance that is asked for, as a number.
 #[pyfunction]
-pub fn distance(within: Within) -> f32 {
-    within.0.get()
+pub fn at_least(distance: Within) -> f32 {
+    distance.0.get()
 }
 
 /// The subject of a question.

@@ -3,6 +3,7 @@
 use crate::arrays::{list, numbers, pair_array, table};
 use crate::asking::ask;
 use crate::contacts::{Arrays, Columns, Found};
+use crate::distance;
 use crate::errors::{self, exception};
 use crate::executor::Executor;
 use crate::memory;
@@ -14,8 +15,8 @@ use crate::threads::apart;
 use crate::watchdog::BUDGET;
 use numpy::PyReadonlyArrayDyn;
 use pfront::{
-    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Distance, Error, Groups, SceneHit, SceneQuery,
-    TrianglePair,
+    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Distance, Error, Gap, Groups, SceneHit,
+    SceneQuery, TrianglePair,
 };
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -192,12 +193,13 @@ impl Scene {
         Ok(self.placed(py, None)?.into_iter().map(told).collect())
     }
 
-    /// A scene of the bodies of both that may meet one of the other scene, and in which only those of different scenes are
-    /// asked about: bodies of this one first, with their ids as user ids.
-    fn across(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {
+    /// A scene of the bodies of both, in which only those of different scenes are asked about: bodies of this one first, with their
+    /// ids as user ids; and how many these are: those that may touch one of the other scene, or all.
+    fn across(&self, py: Python<'_>, other: &Self, may_touch: bool) -> PyResult<(Self, usize)> {
         // One after the other, so that two threads that ask across the same scenes never wait for each other.
         let theirs = other.placed(py, None)?;
-        let bounds = theirs.iter().map(|body| body.aabb).reduce(|x, y| x.union(&y));
+        let bounds =
+            theirs.iter().map(|body| body.aabb).reduce(|x, y| x.union(&y)).filter(|_| may_touch);
         let own = self.placed(py, bounds)?;
         let both = Self::new(py, Within(Distance::default()))?;
         let state = both.state.lock(py)?;
@@ -212,7 +214,26 @@ impl Scene {
         add(&own, 0b01, 0b10)?;
         add(&theirs, 0b10, 0b01)?;
         drop(state);
-        Ok(both)
+        Ok((both, own.len()))
+    }
+
+    /// The body that is nearest to one, and their smallest distance, if it is not greater than the limit.
+    fn distance(
+        &self,
+        py: Python<'_>,
+        id: u64,
+        limit: Option<Within>,
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<Option<(u64, distance::Arrays)>> {
+        let (id, limit) = (BodyId::from_bits(id), limit.map(|limit| limit.0.get()));
+        let nearest = self.ask(py, on, move |query| match limit {
+            Some(limit) => query.distance_below(id, limit),
+            None => query.distance(id),
+        })?;
+        let told = |(other, gap): (BodyId, Gap)| {
+            Ok((other.to_bits(), distance::arrays(py, &[Some(gap)])?))
+        };
+        nearest.map(told).transpose()
     }
 
     /// Bodies of each pair of triangles that meets, and these.

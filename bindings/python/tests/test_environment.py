@@ -54,9 +54,13 @@ def answers(meshes=None, threads=1):
                 found.append(pf.pairs(floor, blade).tolist())
                 found.append(pf.contacts(floor, blade).segments.view(np.uint32).tolist())
                 found.append(len(pf.contacts(floor, blade).polylines()))
+                gaps = pf.distance(floor, blade, np.stack([LOW, TINY64, np.eye(4)]), limit=1e-45)
+                found.append([gaps.intervals.view(np.uint64).tolist(), gaps.points.view(np.uint64).tolist()])
             scene = pf.Scene()
             scene.add(floor), scene.add(blades[0]), scene.add(blades[1]), scene.add(blades[0], TINY)
             found += [scene.pairs().pairs.tolist(), scene.intersecting_bodies().tolist(), scene.count(), scene.collides(), len(scene.contacts())]
+            nearest, gap = scene.distance(0)
+            found += [nearest, np.array(gap.interval).view(np.uint64).tolist()]
             found.append(floor.with_vertices(arrays[1]).vertices.view(np.uint32).tolist())
         grid = (meshes or {}).get("grid") or pf.Mesh(GRID, np.arange(900).reshape(-1, 3))
         found += [pf.count(grid), pf.pairs(grid, grid, THIRD).tolist(), pf.count(grid, grid, np.stack([THIRD] * 40)).tolist()]

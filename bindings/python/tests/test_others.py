@@ -41,7 +41,7 @@ def test_objects_of_one_manager_are_not_asked_about_each_other():
     for i in range(4):
         manager.add_object(f"own {i}", mesh, placed(0.1 * i))
         other.add_object(f"other {i}", mesh, placed(0.1 * i + 1.7))
-    across = manager._scene._across(other._scene)
+    across, _ = manager._scene._across(other._scene, True)
     owners = across.user_ids(across.intersecting_bodies()).tolist()
     assert manager.in_collision_internal() and other.in_collision_internal() and owners
     found = manager.in_collision_other(other, return_names=True)

@@ -68,7 +68,7 @@ def test_while_another_thread_uses_the_scene(threads):
     other.add(mesh)
     for name, call in [("add", lambda: scene.add(mesh)), ("len", lambda: len(scene)), ("set_poses", lambda: scene.set_poses(ids, np.stack([placed()] * 2))),
                        ("count", scene.count), ("contacts", scene.contacts), ("remove", lambda: scene.remove(0)), ("user_ids", lambda: scene.user_ids(ids)),
-                       ("set_mesh", lambda: scene.set_mesh(0, mesh)), ("ignore", lambda: scene.ignore(0, 1)), ("across", lambda: other._across(scene))]:  # fmt: skip
+                       ("set_mesh", lambda: scene.set_mesh(0, mesh)), ("ignore", lambda: scene.ignore(0, 1)), ("across", lambda: other._across(scene, True))]:  # fmt: skip
         before = len(found)
         waited[name] = delay(call)
         if len(found) != before:
@@ -98,6 +98,21 @@ def test_contacts_sorting_and_meshes():
     small = pf.Scene()
     small.add(soup(30), np.stack([placed(), placed()]))
     assert len(small.contacts()) == small.count() == 900
+
+
+def test_distances():
+    """Of surfaces all of whose triangles are about equally near."""
+    a, b = pf.Mesh(*ball(600)), pf.Mesh(*ball(600, 1.001))
+    scene, many = pf.Scene(), np.stack([placed(kind=np.float64)] * 40)
+    scene.add(a), scene.add(b)
+    for name, call in [("one", lambda: pf.distance(a, b)), ("many", lambda: pf.distance(a, b, many)), ("scene", lambda: scene.distance(0))]:
+        for threads in (1, 2):
+            with pf.using(threads=threads):
+                waited = delay(call, 0.1)
+            print(f"{name}, {threads} threads: {1e3 * waited:.0f} ms")
+            assert waited < LIMIT, name
+    scene.set_poses([1], placed(9))
+    assert 6 < scene.distance(0)[1].distance < 8
 
 
 def test_while_the_threads_are_at_work_for_others():

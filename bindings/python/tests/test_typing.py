@@ -24,9 +24,16 @@ lengths = [len(found.segments) for found in many[1:]]
 unknown = pf.count(a, a, np.tile(pose, (3, 1, 1))).sum()  # whose shape no type tells
 counts: list[int] = [count for _, count in pf.sweep(a, a, poses, "count", chunk=2)]
 near: bool = pf.collides(a, a, pose, within=0.5)
+gap = pf.distance(a, a, pose, limit=2.0)
+low: float = 0.0 if gap is None else gap.interval[0]
+gaps = pf.distance(a, a, poses)
+below = [found.pair for found in gaps[gaps.distances < 1] if found is not None]
+reached = [found.distance for _, found in pf.sweep(a, a, poses, "distance", limit=1) if found]
 scene = pf.Scene.from_file("assembly.3mf", within=0.1)
 body: int = scene.add(a, pose, name="arm", itself=True)
 scene.set_poses(["arm"], poses[:1])
+neighbour = scene.distance("arm")
+nearest: int = -1 if neighbour is None else neighbour[0]
 table = scene.pairs()[:2].to_dict()["face_a"]
 with pf.using(threads=2, device="auto"):
     print(pf.devices()[0]["name"], pf.explain(), scene.contacts().polylines()[0].shape)
@@ -35,6 +42,10 @@ MISTAKES = {
     "the name of an option": "pf.collides(a, a, poze=pose)",
     "a distance that is none": 'pf.count(a, a, within="near")',
     "a distance of contacts": "pf.contacts(a, a, within=0.5)",
+    "a distance of one mesh": "pf.distance(a)",
+    "a distance that may be none": "pf.distance(a, a, pose).distance",
+    "a distance of a count": 'pf.sweep(a, a, poses, "count", limit=1)',
+    "a body that may be none": 'scene.distance("arm")[0]',
     "a verb": 'pf.sweep(a, a, poses, "contact")',
     "hits taken for contacts": "scene.pairs().segments",
     "pairs taken for contacts": "hits.normals",
@@ -73,7 +84,7 @@ def test_help_and_the_readme_list_everything_that_is_public():
     listed, rows = [], re.findall(r"^      (\S+(?:, \S+)*)  ", table, re.M)
     for name in ", ".join(rows).split(", "):
         listed.append(listed[-1].partition(".")[0] + name if name.startswith(".") else name)
-    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged]
+    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps]
     members = {f"{kind.__name__}.{name}" for kind in kinds for name in {*vars(kind), *vars(kind).get("__annotations__", ())}}
     assert sorted(listed) == sorted({*pf.__all__, *(name for name in members if "._" not in name)})
     indented = "\n".join(line[4:] for line in table.splitlines())

@@ -47,7 +47,7 @@ pub struct Search {
     found: Found,
 }
 
-/// What a search has found.
+/// The findings of a search.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     /// Pairs farther apart than this are none of the answer.
@@ -57,7 +57,7 @@ struct Found {
     best: Option<Best>,
     /// The least lower end of pairs that have one of their own.
     low: f32,
-    /// What is certainly farther is left out; less than 0 if triangles intersect, so that nothing more is to be found.
+    /// All that is certainly farther is left out; less than 0 if triangles intersect, so that nothing more is to be found.
     reach: f32,
 }
 
@@ -74,7 +74,7 @@ impl PairBvtt<'_> {
     /// if one has no triangles. The distance of [`PairBvtt::within`] does not matter.
     ///
     /// A `seed` is tried first, and does not change the answer, unless that is 0: with the nearest pair of an earlier frame the
-    /// search takes a third to two thirds of the time. One that is out of range is ignored.
+    /// search takes a third to two thirds of the time. A seed that is out of range is ignored.
     ///
     /// # Complexity
     /// No allocation, no recursion; below 40 KiB of stack, or 64 KiB in f64. Node pairs whose boxes are nearer than the answer are
@@ -165,7 +165,7 @@ impl Search {
         self.found.gap()
     }
 
-    /// What is certainly farther than this is left out: for a search that is divided, the least of all of its parts. Less than 0
+    /// All that is certainly farther than this is left out: for a search that is divided, the least of all of its parts. Less than 0
     /// once two triangles intersect.
     #[must_use]
     pub fn reach(&self) -> f32 {
@@ -375,7 +375,7 @@ impl Found {
             let pairs = a.near::<S, false>(b, left, mesh, reach, false, query.error());
             tests += u64::from(pairs.overlapping.count_ones());
             left = pairs.hits | pairs.open;
-            // One that is nearer than all before leaves fewer of the others.
+            // A pair that is nearer than all before leaves fewer of the others.
             while left != 0 && self.reach >= reach {
                 let bit = left.trailing_zeros() as usize;
                 left &= left - 1;

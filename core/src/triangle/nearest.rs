@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Near points of two triangles. Which these are is a fixed sequence of operations, so that equal corners have equal points.
+/// Near points of two triangles. They are found by a fixed sequence of operations, so that equal corners have equal points.
 ///
 /// With R the largest absolute coordinate of a corner relative to the first of `a`, both lengths are off by less than
 /// 64 · 2^-53 · R, and half of the smallest number that f64 has a square of: the bounds of `bvtt::nearest`, where u is that of f64.

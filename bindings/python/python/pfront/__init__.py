@@ -15,6 +15,7 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       count                                                 how many pairs meet
       pairs                                                 which, sorted
       contacts                                              where: a segment and two normals for each pair
+      distance                                              how far apart they are: an interval, the nearest faces and points
       sweep                                                 any of these for many poses, one by one, on other processes too
       part, Part                                            one of n parts of a large question
     Many bodies in one world
@@ -23,6 +24,7 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       Scene.name, .names, .user_ids                         what bodies are called
       Scene.collides, .count, .pairs, .contacts             as of two meshes
       Scene.intersecting_bodies                             which bodies meet
+      Scene.distance                                        which body is nearest to one, and how far
       Scene.show                                            a picture
     Answers
       Contacts, Contacts.pairs, .segments, .normals, .flat  arrays with a row for each pair
@@ -30,6 +32,8 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       Contacts.to_dict, Hits.to_dict                        columns, for pandas
       Hits, Hits.bodies, .pairs                             pairs of triangles of a scene
       SceneContacts                                         contacts of a scene, with their bodies
+      Gap, Gap.interval, .pair, .points, .distance          the smallest distance
+      Gaps, Gaps.intervals, .pairs, .points, .distances     arrays with a row for each pose
       Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
     Who answers
       using                                                 threads, or a GPU, for a block
@@ -60,14 +64,14 @@ from . import compat
 from ._errors import BlobError, DeviceError, MeshError, PoseError, StaleBody
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
-from ._questions import Contacts, Part, Ragged, collides, contacts, count, first, pairs, part, sweep
+from ._questions import Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, pairs, part, sweep
 from ._scene import Hits, Scene, SceneContacts
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
-    "BlobError", "Contacts", "DeviceError", "Hits", "Mesh", "MeshError", "Part", "PoseError", "Ragged", "Scene",
-    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "explain", "first", "load", "pairs", "part", "register", "show",
+    "BlobError", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "Part", "PoseError", "Ragged", "Scene",
+    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "distance", "explain", "first", "load", "pairs", "part", "register", "show",
     "sweep", "using",
 ]  # fmt: skip
 

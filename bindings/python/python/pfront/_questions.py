@@ -17,7 +17,7 @@ from ._mesh import Mesh, MeshLike
 from ._poses import HasMatrix, OnePose, Pose, Poses, SomePoses, matrix
 from ._settings import current
 
-__all__ = ["first", "collides", "pairs", "count", "contacts", "sweep", "part", "Part", "Ragged", "Contacts"]
+__all__ = ["first", "collides", "pairs", "count", "contacts", "distance", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps"]
 
 Progress = Callable[[int, int], Any]
 _Bools = npt.NDArray[np.bool_]
@@ -190,6 +190,74 @@ class Contacts:
                             walk(start, edge, to)
         offsets = np.concatenate([[0], np.cumsum([len(chain) for chain in chains])]).astype(np.int64)
         return Ragged(points[np.concatenate(chains)], offsets)
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """The smallest distance of two meshes, and where it is.
+
+    Attributes
+    ----------
+    interval : (float, float)
+        The least and the greatest that the distance can be: both 0 if triangles intersect, and else the least is more than 0.
+        They differ by some 2^-23 of the distance, and by 2^-44 of the extent of both meshes.
+    pair : (int, int)
+        The nearest faces, the first of those that are equally near; if faces intersect, two that do.
+    points : ndarray of float64, shape (2, 3)
+        The nearest points of both, rounded; if faces intersect, a point of both.
+    distance : float
+        The upper end of the interval.
+    """
+
+    interval: tuple[float, float]
+    pair: tuple[int, int]
+    points: npt.NDArray[np.float64]
+
+    @property
+    def distance(self) -> float:
+        return self.interval[1]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gaps(Sequence["Gap | None"]):
+    """The smallest distance in each of many poses: a struct of arrays, and a sequence of `Gap`, or None where there is none.
+
+    Attributes
+    ----------
+    intervals : ndarray of float64, shape (n, 2)
+        As ``Gap.interval``; inf where there is no distance.
+    pairs : ndarray of int64, shape (n, 2)
+        The nearest faces; -1 where there is no distance.
+    points : ndarray of float64, shape (n, 2, 3)
+        The nearest points of both; NaN where there is no distance.
+    distances : ndarray of float64, shape (n,)
+        The upper ends of the intervals.
+    """
+
+    intervals: npt.NDArray[np.float64]
+    pairs: npt.NDArray[np.int64]
+    points: npt.NDArray[np.float64]
+
+    @property
+    def distances(self) -> npt.NDArray[np.float64]:
+        return self.intervals[:, 1]
+
+    def __len__(self) -> int:
+        return len(self.intervals)
+
+    def __repr__(self) -> str:
+        return f"Gaps({len(self)} poses)"
+
+    @overload
+    def __getitem__(self, index: int) -> Gap | None: ...
+    @overload
+    def __getitem__(self, index: Rows) -> Gaps: ...
+    def __getitem__(self, index: Any) -> Any:
+        """The gap of one pose, or those that a slice, a mask or an array of indices selects, as ``gaps[gaps.distances < 1]``."""
+        interval, pair, points = self.intervals[index], self.pairs[index], self.points[index]
+        if not isinstance(index, (int, np.integer)):
+            return Gaps(interval, pair, points)
+        return Gap(tuple(interval.tolist()), tuple(pair.tolist()), points) if pair[0] >= 0 else None
 
 
 def _two(a: MeshLike, b: MeshLike | None) -> tuple[_pfront.Model, _pfront.Model | None]:
@@ -409,6 +477,61 @@ def contacts(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progr
     return found if offsets is None else Ragged(found, offsets)
 
 
+@overload
+def distance(
+    a: MeshLike, b: MeshLike, pose: SomePoses, *, limit: float | None = None, progress: Progress | None = None
+) -> Any: ...
+@overload
+def distance(
+    a: MeshLike, b: MeshLike, pose: OnePose = None, *, limit: float | None = None, progress: Progress | None = None
+) -> Gap | None: ...
+@overload
+def distance(a: MeshLike, b: MeshLike, pose: Poses, *, limit: float | None = None, progress: Progress | None = None) -> Gaps: ...
+def distance(a: MeshLike, b: MeshLike, pose: Pose = None, *, limit: float | None = None, progress: Progress | None = None) -> Any:
+    """Find the smallest distance of two meshes, in the frame of the first: an interval that holds it, the pair and the points.
+
+    It is that of surfaces: 0 where they intersect, and more where one mesh is inside another.
+
+    Parameters
+    ----------
+    a, b, pose, progress
+        As for `collides`.
+    limit : float, optional
+        Ask only whether it is at most so much, which takes less time; rounded up to float32, as `within` of `collides`. CPUs answer.
+
+    Returns
+    -------
+    Gap, None or Gaps
+        None if a mesh has no faces, or if all are farther apart than `limit`. For many poses a struct of arrays.
+
+    Raises
+    ------
+    ValueError
+        If `limit` is NaN, infinite or negative.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> box = pf.Mesh(*pf._box())
+    >>> pose = np.eye(4)
+    >>> pose[0, 3] = 1.25
+    >>> gap = pf.distance(box, box, pose)
+    >>> low, high = gap.interval
+    >>> low <= 0.25 <= high, round(gap.distance, 6), (gap.points[1] - gap.points[0]).tolist()
+    (True, 0.25, [0.25, 0.0, 0.0])
+    >>> print(pf.distance(box, box, pose, limit=0.2))
+    None
+    >>> poses = np.tile(np.eye(4), (3, 1, 1))
+    >>> poses[:, 0, 3] = 0.5, 1.5, 3
+    >>> pf.distance(box, box, poses, limit=1).distances.round(6)
+    array([0. , 0.5, inf])
+    """
+    first, second = (mesh._model if type(mesh) is Mesh else Mesh(mesh)._model for mesh in (a, b))
+    arrays, is_one = _pfront.distance(first, second, pose, current(), progress, limit)
+    gaps = Gaps(*arrays)
+    return gaps[0] if is_one else gaps
+
+
 @dataclass(frozen=True)
 class Part:
     """Part `i` of `n` of questions, 0 ≤ i < n ≤ 65536; see `part`."""
@@ -453,7 +576,7 @@ def part(i: int, n: int) -> Part:
     return Part(i, n)
 
 
-_WHAT: dict[str, Callable[..., Any]] = {"collides": collides, "count": count, "pairs": pairs, "contacts": contacts}
+_WHAT: dict[str, Callable[..., Any]] = {"collides": collides, "count": count, "pairs": pairs, "contacts": contacts, "distance": distance}
 
 
 class _Sent:
@@ -470,9 +593,8 @@ class _Sent:
         return self._reduced[is_out_of_band]
 
 
-def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any], within: float = 0.0) -> Any:
+def _task(what: str, a: Mesh | _Sent, b: Mesh | _Sent, poses: npt.NDArray[Any], options: dict[str, float | None]) -> Any:
     """One chunk of a sweep, as another process answers it, or a thread of this one."""
-    options = {} if what == "contacts" else {"within": within}
     return _WHAT[what](*(mesh.mesh if isinstance(mesh, _Sent) else mesh for mesh in (a, b)), poses, **options)
 
 
@@ -496,9 +618,14 @@ def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["contacts"], *, progress: Progress | None = None,
     executor: Submits | None = None, chunk: int = 10_000, window: int = 64,
 ) -> Iterator[tuple[int, Contacts]]: ...  # fmt: skip
+@overload
+def sweep(
+    a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: Literal["distance"], *, progress: Progress | None = None,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, limit: float | None = None,
+) -> Iterator[tuple[int, Gap | None]]: ...  # fmt: skip
 def sweep(
     a: MeshLike, b: MeshLike, poses: Poses | SomePoses, what: str = "collides", *, progress: Progress | None = None,
-    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0,
+    executor: Submits | None = None, chunk: int = 10_000, window: int = 64, within: float = 0.0, limit: float | None = None,
 ) -> Iterator[tuple[int, Any]]:  # fmt: skip
     """Ask about many poses, and yield each index with its answer, in order, while later ones are on their way.
 
@@ -510,7 +637,7 @@ def sweep(
         The meshes.
     poses : array_like, shape (k, 4, 4)
         As for `collides`; copied by the call, so that the array is free for other use at once.
-    what : {"collides", "count", "pairs", "contacts"}
+    what : {"collides", "count", "pairs", "contacts", "distance"}
         The question.
     progress : callable, optional
         Called as ``progress(done, total)`` after each chunk; ``lambda done, total: bar.update(done - bar.n)`` for tqdm.
@@ -522,7 +649,9 @@ def sweep(
     window : int
         The most tasks in flight.
     within : float
-        As for `collides`; contacts are of pairs that intersect, and take none.
+        As for `collides`; contacts are of pairs that intersect, and take none, as distances do.
+    limit : float, optional
+        As for `distance`, which alone takes one.
 
     Examples
     --------
@@ -541,15 +670,19 @@ def sweep(
     chunk, window = integer(chunk, "chunk"), integer(window, "window")
     if chunk < 1 or window < 1:
         raise ValueError("chunk and window are at least 1")
-    if what == "contacts" and within != 0:
-        raise ValueError("contacts are of pairs that intersect: leave out within")
-    within = _pfront.distance(within)
+    if what in ("contacts", "distance") and within != 0:
+        raise ValueError(f"what={what!r} is not about pairs within a distance: leave out within")
+    if what != "distance" and limit is not None:
+        raise ValueError(f"what={what!r} has no limit: leave it out")
+    options: dict[str, float | None] = {} if what == "contacts" else {"within": _pfront.at_least(within)}
+    if what == "distance":
+        options = {"limit": None if limit is None else _pfront.at_least(limit)}
     first = a if isinstance(a, Mesh) else Mesh(a)
     second = b if isinstance(b, Mesh) else Mesh(b)
     array = matrix(poses)
     if array.ndim != 3:
         raise PoseError(f"poses of shape {array.shape} are not (k, 4, 4)")
-    return _swept(first, second, array.copy(), what, progress, executor, chunk, window, within)
+    return _swept(first, second, array.copy(), what, progress, executor, chunk, window, options)
 
 
 def _swept(
@@ -561,14 +694,14 @@ def _swept(
     executor: Submits | None,
     chunk: int,
     window: int,
-    within: float,
+    options: dict[str, float | None],
 ) -> Iterator[tuple[int, Any]]:
     starts = range(0, len(poses), chunk)
     flying: dict[int, Any] = {}
     sent = [_Sent(a), _Sent(b)]
 
     def launch(executor: Submits, start: int) -> None:
-        flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk], within)
+        flying[start] = executor.submit(_task, what, *sent, poses[start : start + chunk], options)
 
     try:
         ahead = iter(starts)
@@ -577,7 +710,7 @@ def _swept(
                 launch(executor, start)
         for start in starts:
             try:
-                answers = _task(what, a, b, poses[start : start + chunk], within) if executor is None else flying.pop(start).result()
+                answers = _task(what, a, b, poses[start : start + chunk], options) if executor is None else flying.pop(start).result()
             except PoseError as error:
                 # The pose is one of its chunk there.
                 error.args = (str(error).replace(f"pose {error.pose}", f"pose {start + (error.pose or 0)}", 1),)

@@ -15,7 +15,7 @@ from ._arrays import Rows, array, integer, rows
 from ._errors import StaleBody
 from ._mesh import Mesh, MeshLike, Path, bodies
 from ._poses import OnePose, Pose, Poses, SomePoses
-from ._questions import Contacts
+from ._questions import Contacts, Gap, Gaps
 from ._settings import current
 
 __all__ = ["Scene", "Hits", "SceneContacts"]
@@ -298,11 +298,12 @@ class Scene:
     def __len__(self) -> int:
         return self._scene.len()
 
-    def _across(self, other: Scene) -> Scene:
-        """A scene of the bodies of both in which only those of different scenes are asked about, with their ids as user ids."""
+    def _across(self, other: Scene, may_touch: bool) -> tuple[Scene, int]:
+        """A scene of the bodies of both in which only those of different scenes are asked about, with their ids as user ids; and how
+        many of the first come first in it: those that may touch one of the other scene, or all that have faces."""
         both = Scene()
-        both._scene = self._scene.across(other._scene)
-        return both
+        both._scene, count = self._scene.across(other._scene, may_touch)
+        return both, count
 
     def __reduce_ex__(self, protocol: Any) -> NoReturn:
         raise TypeError("a scene is neither copied nor pickled: add its bodies to a new one")
@@ -322,6 +323,41 @@ class Scene:
         """Find where bodies meet, in the world: in float64 if some body is, else in float32."""
         bodies, found = self._scene.contacts(current())
         return SceneContacts(*found, bodies)
+
+    def distance(self, body: int | str, *, limit: float | None = None) -> tuple[int, Gap] | None:
+        """Find the body that is nearest to one, and their smallest distance in the world, 0 if they intersect.
+
+        Bodies that are ignored beside it are left out; of bodies that are equally near the one that was added first is told.
+
+        Parameters
+        ----------
+        body : int or str
+            Its faces are the first of ``Gap.pair``.
+        limit : float, optional
+            As for `pfront.distance`: farther bodies are left out.
+
+        Returns
+        -------
+        (int, Gap) or None
+            The id of the other body; None if there is none with faces, or none so near.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+        >>> scene = pf.Scene()
+        >>> for name, z in [("floor", 0), ("lamp", 2.5), ("roof", 4)]:
+        ...     pose[2, 3] = z
+        ...     _ = scene.add(box, pose, name=name)
+        >>> nearest, gap = scene.distance("lamp")
+        >>> scene.name(nearest), round(gap.distance, 6)
+        ('roof', 0.5)
+        >>> print(scene.distance("floor", limit=1))
+        None
+        """
+        found = self._scene.distance(_id(self._numbers(body)), limit, current())
+        gap = None if found is None else Gaps(*found[1])[0]
+        return None if found is None or gap is None else (found[0], gap)
 
     def show(self, *, off_screen: bool = False, screenshot: Any = None) -> SceneContacts:
         """Draw the bodies, those that meet in another colour, and in red where they do; as `pfront.show`."""

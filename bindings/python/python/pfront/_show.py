@@ -99,6 +99,10 @@ class Accessor:
         """As `pfront.contacts`."""
         return _questions.contacts(self.mesh, other, pose)
 
+    def distance(self, other: Any, pose: Pose = None, *, limit: float | None = None) -> Any:
+        """As `pfront.distance`."""
+        return _questions.distance(self.mesh, other, pose, limit=limit)
+
 
 def register() -> None:
     """Give every PolyData of pyvista the attribute ``pfront``."""

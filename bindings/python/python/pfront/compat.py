@@ -1,10 +1,12 @@
 """The collision manager of trimesh, answered by pfront: change one import.
 
-Meshes are surfaces here, where trimesh takes convex ones for solids: a box inside another does not collide. Distances are not there.
+Meshes are surfaces here, where trimesh takes convex ones for solids: a box inside another does not collide, and has a distance to it.
+Where objects intersect, their distance is 0, where trimesh's is 0 or the negative of a depth; without a second object it is inf.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,10 @@ import numpy.typing as npt
 
 from ._mesh import Mesh, MeshLike
 from ._poses import OnePose
+from ._questions import Gap
 from ._scene import Scene, SceneContacts
 
-__all__ = ["CollisionManager", "ContactData"]
+__all__ = ["CollisionManager", "ContactData", "DistanceData"]
 
 
 class ContactData:
@@ -51,9 +54,61 @@ class ContactData:
 
     def index(self, name: str) -> int:
         """The face of the object of that name."""
-        if name not in self._names:
-            raise KeyError(name)
-        return int(self._found.pairs[self._row, self._names.index(name)])
+        return int(self._found.pairs[self._row, _place(self._names, name)])
+
+
+class DistanceData:
+    """The nearest triangles of two objects, with the properties that trimesh's has.
+
+    Attributes
+    ----------
+    names : set of str
+        Both objects.
+    distance : float
+        The smallest distance: the upper end of an interval that holds it.
+    """
+
+    __slots__ = ("_gap", "_names")
+
+    def __init__(self, gap: Gap, names: tuple[str, str]) -> None:
+        self._gap = gap
+        self._names = names
+
+    @property
+    def names(self) -> set[str]:
+        return set(self._names)
+
+    @property
+    def distance(self) -> float:
+        return self._gap.distance
+
+    def index(self, name: str) -> int:
+        """The nearest face of the object of that name."""
+        return self._gap.pair[_place(self._names, name)]
+
+    def point(self, name: str) -> npt.NDArray[np.float64]:
+        """The nearest point of the object of that name, in the world."""
+        point: npt.NDArray[np.float64] = self._gap.points[_place(self._names, name)]
+        return point
+
+
+def _place(names: tuple[str, str], name: str) -> int:
+    """Which of two names one is."""
+    if name not in names:
+        raise KeyError(name)
+    return names.index(name)
+
+
+def _nearest(scene: Scene, bodies: Iterable[int]) -> tuple[tuple[int, int], Gap] | None:
+    """The two nearest bodies, of which the first is one of these, and how far apart they are."""
+    best = None
+    for body in bodies:
+        found = scene.distance(body, limit=None if best is None else best[1].distance)
+        if found is not None and (best is None or found[1].distance < best[1].distance):
+            best = (body, found[0]), found[1]
+            if found[1].distance == 0:
+                break
+    return best
 
 
 def _data(found: SceneContacts, names: dict[tuple[int, int], tuple[str, str]]) -> list[ContactData]:
@@ -124,7 +179,7 @@ class CollisionManager:
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> Any:
         """Whether an object meets one of another manager; with the names of both. Objects of one manager are not asked about each other."""
-        both = self._scene._across(other_manager._scene)
+        both, _ = self._scene._across(other_manager._scene, True)
         if not (return_names or return_data):
             return both.collides()
         across = both.intersecting_bodies()
@@ -134,6 +189,46 @@ class CollisionManager:
         data = _data(both.contacts(), pairs) if return_data and pairs else []
         return self._answer(bool(names), names, data, return_names, return_data)
 
+    def min_distance_internal(self, name: str | None = None, return_names: bool = False, return_data: bool = False) -> Any:
+        """The smallest distance of any two objects, or of one to the others; with both names, sorted, and with data.
+
+        For n objects, n searches in boxes of n. ValueError if there is no object of that name.
+        """
+        if name is not None and name not in self._ids:
+            raise ValueError(f"{name} not in collision manager!")
+        found = _nearest(self._scene, self._ids.values() if name is None else [self._ids[name]])
+        if found is None:
+            return self._answer(np.inf, None, None, return_names, return_data)
+        (a, b), gap = found
+        names = (self._name(a), self._name(b))
+        return self._answer(gap.distance, (min(names), max(names)), DistanceData(gap, names), return_names, return_data)
+
+    def min_distance_single(
+        self, mesh: MeshLike, transform: OnePose = None, return_name: bool = False, return_data: bool = False
+    ) -> Any:
+        """The smallest distance of a mesh to any object; with the name of that, and with data, where the mesh is ``"__external"``."""
+        other = CollisionManager()
+        other.add_object("__external", mesh, transform)
+        distance, names, data = self.min_distance_other(other, True, True)
+        return self._answer(distance, names and names[0], data, return_name, return_data)
+
+    def min_distance_other(self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False) -> Any:
+        """The smallest distance of an object to one of another manager; with the names of both, this manager's first, and with data.
+
+        A search for each object of the manager that has fewer.
+        """
+        both, count = self._scene._across(other_manager._scene, False)
+        is_own = 2 * count <= len(both)
+        found = _nearest(both, range(count) if is_own else range(count, len(both)))
+        if found is None:
+            return self._answer(np.inf, None, None, return_names, return_data)
+        two, gap = found
+        if not is_own:
+            two, gap = (two[1], two[0]), Gap(gap.interval, (gap.pair[1], gap.pair[0]), gap.points[::-1])
+        own, theirs = both.user_ids(two).tolist()
+        names = (self._name(own), other_manager._name(theirs))
+        return self._answer(gap.distance, names, DistanceData(gap, names), return_names, return_data)
+
     def __reduce_ex__(self, protocol: Any) -> Any:
         raise TypeError("a manager has a scene, and is neither copied nor pickled: add its objects to a new one")
 
@@ -141,7 +236,7 @@ class CollisionManager:
         return str(self._scene.name(body))
 
     @staticmethod
-    def _answer(hit: bool, names: Any, data: Any, return_names: bool, return_data: bool) -> Any:
+    def _answer(hit: Any, names: Any, data: Any, return_names: bool, return_data: bool) -> Any:
         if return_names and return_data:
             return hit, names, data
         if return_names:
