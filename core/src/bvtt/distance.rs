@@ -61,7 +61,7 @@ struct Found {
     reach: f32,
 }
 
-/// The pair with the least length so far; 0 if its triangles intersect.
+/// The pair with the least length so far; below 0 if its triangles intersect, so that it comes before all others.
 #[derive(Clone, Copy, Debug)]
 struct Best {
     length: f64,
@@ -215,7 +215,7 @@ impl Search {
 impl Found {
     fn gap(&self) -> Option<Gap> {
         let Best { length, pair, points } = self.best?;
-        if length == 0.0 && self.reach < 0.0 {
+        if length < 0.0 {
             return Some(Gap { interval: [0.0; 2], pair, points });
         }
         let high = (length + self.error).next_up();
@@ -247,7 +247,7 @@ impl Found {
         if !is_apart && query.are_within(pair, 0.0) {
             let segment = query.contact_f64(pair).map(|contact| contact.segment);
             let common = segment.map_or(points[0].to_array(), |[start, _]| start);
-            self.take(Best { length: 0.0, pair, points: [common; 2] });
+            self.take(Best { length: -1.0, pair, points: [common; 2] });
             self.reach = -1.0;
             return;
         }
