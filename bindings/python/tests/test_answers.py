@@ -270,7 +270,7 @@ def test_sweep():
         assert told[-1] == (250, 250) and len(told) == 7
         assert all(map(np.array_equal, found, whole(BALL, BALL, many)))
     with pytest.raises(ValueError):
-        pf.sweep(BALL, BALL, many, "distance")
+        pf.sweep(BALL, BALL, many, "volume")
 
 
 def test_gpu():
