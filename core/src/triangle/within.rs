@@ -99,6 +99,43 @@ mod tests {
         assert!(cfg!(miri) || answers.iter().all(|&count| count > 500), "{answers:?}");
     }
 
+    /// A million decisions: the distance as f32 and its neighbours, 1 % more and less, and small integers.
+    #[test]
+    #[ignore = "takes a minute and a half: cargo test -p pfront-core --release --lib -- --ignored a_million"]
+    fn a_million_decisions_are_those_of_the_oracle() {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let each = 1_000_000_usize.div_ceil(workers);
+        std::thread::scope(|scope| {
+            for worker in 0..workers {
+                scope.spawn(move || decide(each, &mut seeded(1_000 + worker as u64)));
+            }
+        });
+    }
+
+    fn decide(most: usize, rng: &mut impl pfront_testkit::rng::Rng) {
+        let (mut decided, mut answers) = (0, [0; 2]);
+        for family in Family::ALL.into_iter().cycle() {
+            let (a, b) = family.pair(rng);
+            let near = roughly(&a, &b);
+            let tight = if rng.random_range(0..40) == 0 { gap(&a, &b) } else { [near; 2] };
+            let mut distances = vec![0.0, near, tight[0], tight[1], tight[0].next_down().max(0.0)];
+            distances.extend([tight[1].next_up(), near * 1.01, near * 0.99]);
+            distances.push(rng.random_range(1..5) as f32);
+            distances.retain(|d| d.is_finite());
+            let truths = oracle::within_each(&a, &b, &distances);
+            for (&distance, truth) in distances.iter().zip(truths) {
+                let found = within(&a, &b, distance);
+                assert_eq!(found, truth, "{family:?} {a:?} {b:?} {distance:e}");
+                answers[usize::from(truth)] += 1;
+            }
+            decided += distances.len();
+            if decided >= most {
+                break;
+            }
+        }
+        std::println!("{decided} decisions, {answers:?} no and yes");
+    }
+
     #[test]
     fn triangles_in_f64_are_within_as_the_oracle_says() {
         let mut rng = seeded(44);

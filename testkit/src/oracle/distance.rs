@@ -11,9 +11,18 @@ use num_traits::{One, Signed, Zero};
 
 /// Whether two closed triangles are at most `distance` apart.
 pub fn within<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], distance: C) -> bool {
-    let ([a, b], distance) = on_one_lattice(a, b, distance);
-    let square = &distance * &distance;
-    candidates(&a, &b).iter().any(|(length, denominator)| *length <= &square * denominator)
+    within_each(a, b, &[distance])[0]
+}
+
+/// The same for some distances.
+pub fn within_each<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], distances: &[C]) -> Vec<bool> {
+    let ([a, b], distances) = on_one_lattice(a, b, distances);
+    let candidates = candidates(&a, &b);
+    let is_within = |distance: &BigInt| {
+        let square = distance * distance;
+        candidates.iter().any(|(length, denominator)| *length <= &square * denominator)
+    };
+    distances.iter().map(is_within).collect()
 }
 
 /// The squared distances of two points each, one of which are the nearest: numerators and denominators, in squared steps of

@@ -68,19 +68,20 @@ pub(super) fn wide<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> [Vec<Vector<Big
     on_lattice(&axes(a, b), a, b)
 }
 
-/// The points and a distance in integers of any width, of one lattice for all axes.
+/// The points and distances in integers of any width, of one lattice for all axes.
 pub(super) fn on_one_lattice<C: Coordinate>(
     a: &[[C; 3]],
     b: &[[C; 3]],
-    distance: C,
-) -> ([Vec<Vector<BigInt>>; 2], BigInt) {
-    let ((odd, exponent), mut axes) = (decode(distance), axes(a, b));
-    let of_axes = a.iter().chain(b).flatten().filter_map(|&x| Some(decode(x)).filter(|x| x.0 != 0));
-    let lowest = of_axes.map(|x| x.1).chain((odd != 0).then_some(exponent)).min().unwrap_or(0);
+    distances: &[C],
+) -> ([Vec<Vector<BigInt>>; 2], Vec<BigInt>) {
+    let (all, mut axes) = (a.iter().chain(b).flatten().chain(distances), axes(a, b));
+    let lowest = all.map(|&x| decode(x)).filter(|x| x.0 != 0).map(|x| x.1).min().unwrap_or(0);
     axes.iter_mut().for_each(|axis| axis.lowest = lowest);
-    let distance =
-        if odd == 0 { 0.into() } else { BigInt::from(odd) << (exponent - lowest) as u32 };
-    (on_lattice(&axes, a, b), distance)
+    let whole = |&distance: &C| match decode(distance) {
+        (0, _) => 0.into(),
+        (odd, exponent) => BigInt::from(odd) << (exponent - lowest) as u32,
+    };
+    (on_lattice(&axes, a, b), distances.iter().map(whole).collect())
 }
 
 /// The length of one step of the lattice along each axis.

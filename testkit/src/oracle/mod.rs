@@ -13,7 +13,7 @@ mod lattice;
 mod mesh;
 
 pub use crossing::crossing_points;
-pub use distance::within;
+pub use distance::{within, within_each};
 pub use lattice::Coordinate;
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 
