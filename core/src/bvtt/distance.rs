@@ -369,6 +369,9 @@ impl Found {
     ) -> u64 {
         let a = blocks_a.get::<S, false>(n.a, &query.a, &[]);
         let b = blocks_b.get::<S, false>(n.b, &query.b, &[]);
+        if a.is_apart::<S>(b, self.reach, query.error()) {
+            return 1;
+        }
         let (mesh, mut left, mut tests) = (query.a.bvh.mesh(), u64::MAX, 1);
         while left != 0 && self.reach >= 0.0 {
             let reach = self.reach;
