@@ -210,7 +210,7 @@ impl PairQuery {
 
     /// The smallest distance of the two models in the frame of `a`, and where it is; 0 if they intersect, whatever
     /// [`PairQuery::within`] says. `None` if a model has no triangles. CPUs answer, whatever the executor; the same to the bit, but for
-    /// which of the intersecting pairs is told.
+    /// which of the intersecting pairs is named.
     ///
     /// The pair that was nearest in the last frame is tried first.
     ///
@@ -218,8 +218,7 @@ impl PairQuery {
     /// As [`PairQuery::all`].
     ///
     /// # Complexity
-    /// Time grows with the number of triangles that are about equally near: two dragons of 871,414 triangles, a seventh of their
-    /// width apart, take below 1 ms.
+    /// Time grows with the number of triangles that are about equally near.
     ///
     /// # Examples
     /// ```

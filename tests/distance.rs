@@ -171,3 +171,27 @@ fn what_is_no_question_is_refused() {
         assert!(matches!(reason, Reason::NoChoice | Reason::CpuOnly));
     }
 }
+
+/// A large body beside small ones has an error of its own; what is told does not depend on what was asked before.
+#[test]
+fn a_scene_tells_the_same_whatever_it_remembers() {
+    let triangle = |size: f32, z: f32| {
+        let positions = vec![[0.0, 0.0, z], [size, 0.0, z], [0.0, size, z]];
+        Arc::new(Model::new(positions, vec![[0, 1, 2]]).unwrap())
+    };
+    let mut scene = SceneQuery::new();
+    let at = |z| Pose::from_translation([0.0, 0.0, z]);
+    let own = scene.add(triangle(1.0, 0.0), Pose::IDENTITY).unwrap();
+    let small = scene.add(triangle(1.0, 0.0), at(5.0)).unwrap();
+    scene.add(triangle(1e8, -1.000_000_5), Pose::IDENTITY).unwrap();
+    scene.distance(own).unwrap();
+    scene.set_pose(small, at(1.0)).unwrap();
+    let first = scene.distance(own).unwrap();
+    assert_eq!(first.unwrap().0, small);
+    assert_eq!(scene.distance(own).unwrap(), first);
+    let mut fresh = SceneQuery::new();
+    let own = fresh.add(triangle(1.0, 0.0), Pose::IDENTITY).unwrap();
+    fresh.add(triangle(1.0, 0.0), at(1.0)).unwrap();
+    fresh.add(triangle(1e8, -1.000_000_5), Pose::IDENTITY).unwrap();
+    assert_eq!(fresh.distance(own).unwrap(), first);
+}

@@ -12,14 +12,15 @@ use pfront_core::environment::with_default;
 use rayon::Scope;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
+use std::thread::ThreadId;
 use std::time::Instant;
 
 /// Tests between two looks at what other threads have reached.
 const SLICE: u64 = 512;
 
 impl Pool {
-    /// [`PairBvtt::distance`] on the threads of the pool, the same to the bit unless triangles intersect: which are told may then
-    /// be others. Returns how many threads have worked too; what had been found when the flag was set is not the answer.
+    /// [`PairBvtt::distance`] on the threads of the pool, the same to the bit unless triangles intersect: which of these are named may
+    /// then differ. Also returns whether another thread has worked too. What had been found when the flag was set is not the answer.
     ///
     /// # Examples
     /// ```
@@ -30,8 +31,8 @@ impl Pool {
     /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
     /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
     /// let query = PairBvtt::new(bvh, bvh, Pose::from_translation([0.0, 0.0, 0.25]))?;
-    /// let (gap, threads) = Pool::new(8).distance(&query, None, None, None);
-    /// assert_eq!((gap, threads), (query.distance(None, None), 1));
+    /// let (gap, _) = Pool::new(8).distance(&query, None, None, None);
+    /// assert_eq!(gap, query.distance(None, None));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn distance(
@@ -40,7 +41,7 @@ impl Pool {
         at_most: Option<Distance>,
         seed: Option<TrianglePair>,
         cancel: Option<&AtomicBool>,
-    ) -> (Option<Gap>, usize) {
+    ) -> (Option<Gap>, bool) {
         let run = Run {
             query,
             cancel,
@@ -48,16 +49,16 @@ impl Pool {
             alone: self.call.unwrap_or_default(),
             threads: self.threads(),
             at_work: AtomicUsize::new(1),
-            most: AtomicUsize::new(1),
+            caller: std::thread::current().id(),
+            is_shared: AtomicBool::new(false),
             reach: AtomicI32::new(f32::INFINITY.to_bits().cast_signed()),
             found: Mutex::new(None),
         };
-        with_default(|| {
-            let search = query.search(at_most, seed);
-            self.in_scope(|scope| run.search(search, scope));
-        });
+        let search = with_default(|| query.search(at_most, seed));
+        // A thread that waits for the others may do something else, in its own environment.
+        self.in_scope(|scope| with_default(|| run.search(search, scope)));
         let found: Option<Search> = run.found.into_inner().unwrap_or_else(PoisonError::into_inner);
-        (found.and_then(|found| found.gap()), run.most.into_inner())
+        (found.and_then(|found| found.gap()), run.is_shared.into_inner())
     }
 }
 
@@ -69,9 +70,11 @@ struct Run<'r, 'a> {
     /// The seconds that the calling thread works alone.
     alone: f64,
     threads: usize,
-    /// Threads that are searching now, and the most that ever were.
+    /// Parts of the search that are not done.
     at_work: AtomicUsize,
-    most: AtomicUsize,
+    caller: ThreadId,
+    /// Whether another thread than the caller has worked.
+    is_shared: AtomicBool,
     /// The least reach, by its bits: below 0 they are less than all others as those of integers.
     reach: AtomicI32,
     /// The findings of the threads that are done.
@@ -83,18 +86,22 @@ impl<'r> Run<'r, '_> {
     where
         'r: 's,
     {
+        if std::thread::current().id() != self.caller {
+            self.is_shared.store(true, Relaxed);
+        }
         while !search.is_done() && !self.cancel.is_some_and(|flag| flag.load(Relaxed)) {
             self.query.seek(&mut search, SLICE);
             let own = search.reach().to_bits().cast_signed();
             let least = self.reach.fetch_min(own, Relaxed).min(own);
             search.tighten(f32::from_bits(least.cast_unsigned()));
-            if self.at_work.load(Relaxed) < self.threads
-                && self.begun.elapsed().as_secs_f64() >= self.alone
-                && let Some(half) = search.take_half()
+            let more = |parts| (parts < self.threads).then_some(parts + 1);
+            if self.begun.elapsed().as_secs_f64() >= self.alone
+                && self.at_work.fetch_update(Relaxed, Relaxed, more).is_ok()
             {
-                let at_work = self.at_work.fetch_add(1, Relaxed) + 1;
-                self.most.fetch_max(at_work, Relaxed);
-                spawn(scope, move |scope, _| self.search(half, scope));
+                match search.take_half() {
+                    Some(half) => spawn(scope, move |scope, _| self.search(half, scope)),
+                    None => _ = self.at_work.fetch_sub(1, Relaxed),
+                }
             }
         }
         self.at_work.fetch_sub(1, Relaxed);

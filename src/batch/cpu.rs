@@ -19,6 +19,8 @@ pub(super) struct Steps {
     begun: Option<(Cursor, Answer<TrianglePair>)>,
     /// The same of a search for the smallest distance.
     search: Option<Search>,
+    /// The nearest pair of the last question that had one.
+    seed: Option<TrianglePair>,
     pub(super) found: Found,
 }
 
@@ -31,7 +33,7 @@ impl Steps {
 
     /// Some of them.
     pub(super) fn part(job: Job, left: Range<usize>) -> Self {
-        Self { job, left, begun: None, search: None, found: Found::default() }
+        Self { job, left, begun: None, search: None, seed: None, found: Found::default() }
     }
 
     /// Goes on for about [`SLICE`] tests. Returns whether nothing is left.
@@ -62,13 +64,12 @@ impl Steps {
     /// [`Steps::step`] of searches for smallest distances. The nearest pair of the question before is tried first: often it is about
     /// the same models in a pose that is not much different.
     fn step_nearest(&mut self, nearest: Nearest) -> Result<bool, Error> {
-        let Self { job: Job { questions, .. }, left, search, found, .. } = self;
+        let Self { job: Job { questions, .. }, left, search, seed, found, .. } = self;
         let mut left_over = SLICE;
         while left_over > 0 && !Range::is_empty(left) {
             let tree = questions[left.start].tree()?;
             let gap = if let AnyBvtt::Pair(tree) = &tree {
-                let seed = found.gaps.iter().rev().flatten().next().map(|gap| gap.pair);
-                let search = search.get_or_insert_with(|| tree.search(nearest.at_most, seed));
+                let search = search.get_or_insert_with(|| tree.search(nearest.at_most, *seed));
                 left_over = left_over.saturating_sub(tree.seek(search, left_over) + BEGIN);
                 if !search.is_done() {
                     break;
@@ -78,6 +79,7 @@ impl Steps {
                 // Between a model and itself there is none.
                 None
             };
+            *seed = gap.map(|gap| gap.pair).or(*seed);
             push(&mut found.gaps, gap)?;
             *search = None;
             left.start += 1;

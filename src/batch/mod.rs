@@ -267,7 +267,7 @@ impl Batch {
     }
 
     /// Submits all questions, each for the smallest distance of its models, as [`PairQuery::distance`](crate::PairQuery::distance)
-    /// tells it: what a planner asks of many poses. The pair that was nearest in the question before is tried first. CPUs answer,
+    /// tells it: what a planner asks of many poses. A thread tries the pair first that was nearest in its question before. CPUs answer,
     /// whatever the executor.
     ///
     /// # Errors

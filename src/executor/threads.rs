@@ -141,8 +141,8 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         seed: Option<TrianglePair>,
         cancel: Option<&AtomicBool>,
     ) -> (Backend, Option<Gap>) {
-        let (gap, threads) = self.traversal.pool.distance(tree, at_most, seed, cancel);
-        (if threads > 1 { Backend::Threads } else { Backend::Sequential }, gap)
+        let (gap, is_shared) = self.traversal.pool.distance(tree, at_most, seed, cancel);
+        (if is_shared { Backend::Threads } else { Backend::Sequential }, gap)
     }
 
     /// [`CpuHistory::ask`](super::CpuHistory::ask).

@@ -74,31 +74,44 @@ impl SceneQuery {
         others.sort_unstable_by(|(x, a), (y, b)| {
             is_other(a).cmp(&is_other(b)).then(x.total_cmp(y)).then(a.id().cmp(&b.id()))
         });
-        let (mut best, mut low, mut at_most): (Option<(BodyId, Gap)>, _, _) =
-            (None, f64::INFINITY, limit);
+        let (mut found, mut at_most) = (Vec::new(), limit);
         for (least, other) in others {
             if at_most.is_some_and(|at_most| least > f64::from(at_most.get())) {
                 continue;
             }
-            let tree = PairBvtt::in_world(body.placed(), other.placed());
             let seed = seed.filter(|(last, _)| *last == other.id()).map(|(_, pair)| pair);
-            let Some(gap) = self.history.distance(&tree, at_most, seed)? else { continue };
-            low = gap.interval[0].min(low);
-            let is_nearer = |(id, best): &(BodyId, Gap)| {
-                (gap.interval[1], other.id()) < (best.interval[1], *id)
-            };
-            if best.as_ref().is_none_or(is_nearer) {
-                best = Some((other.id(), gap));
-                // Without a bound, if no f32 is as large.
-                at_most = Distance::at_least(gap.interval[1]).ok().or(at_most);
+            let tree = PairBvtt::in_world(body.placed(), other.placed());
+            if let Some(gap) = self.history.distance(&tree, at_most, seed)? {
+                push(&mut found, (other, gap))?;
+                at_most = tighter(at_most, gap.interval[1]);
             }
         }
-        let nearest =
-            best.map(|(other, gap)| (other, Gap { interval: [low, gap.interval[1]], ..gap }));
-        if let Some((other, gap)) = nearest {
-            self.nearest.insert(id, (other, gap.pair));
+        let high = |(other, gap): &(&Body, Gap)| (gap.interval[1], other.id());
+        let nearest = found.iter().copied().min_by(|x, y| {
+            let ((x, a), (y, b)) = (high(x), high(y));
+            x.total_cmp(&y).then(a.cmp(&b))
+        });
+        let Some((nearest, mut gap)) = nearest else { return Ok(None) };
+        // Bodies that were asked about before the bound was this small count only if they are within it.
+        let mut low = gap.interval[0];
+        for (other, own) in found.iter().filter(|(_, own)| own.interval[0] < gap.interval[0]) {
+            let tree = PairBvtt::in_world(body.placed(), other.placed());
+            let within = self.history.distance(&tree, at_most, Some(own.pair))?;
+            low = within.map_or(low, |within| low.min(within.interval[0]));
         }
-        Ok(nearest)
+        gap.interval[0] = low;
+        self.nearest.insert(id, (nearest.id(), gap.pair));
+        Ok(Some((nearest.id(), gap)))
+    }
+}
+
+/// A bound that is above the upper end of an interval, so that it does not cut another off at the same number; none if no f32 is as
+/// large.
+fn tighter(at_most: Option<Distance>, high: f64) -> Option<Distance> {
+    let above = Distance::at_least(high).ok().and_then(|d| Distance::new(d.get().next_up()).ok());
+    match (at_most, above) {
+        (Some(at_most), Some(above)) => Some(if above < at_most { above } else { at_most }),
+        (at_most, above) => at_most.or(above),
     }
 }
 

@@ -36,7 +36,7 @@ impl Box4 {
         (along(0) & along(1) & along(2)).bitmask()
     }
 
-    /// The squares of the distances of the boxes; bounds that are not numbers are at no distance along their axis.
+    /// The squares of the distances of the boxes; not a number, or 0, where bounds are not numbers.
     #[cfg(feature = "within")]
     #[inline(always)]
     pub(crate) fn squared_distances(&self, other: &Self) -> Vec4 {

@@ -35,7 +35,7 @@ pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 #[cfg(feature = "within")]
-pub(crate) use nearest::{Nearest, nearest};
+pub(crate) use nearest::{Nearest, UNDERFLOW, nearest};
 pub use within::within;
 pub(crate) use within::within_in_f64;
 

@@ -2,17 +2,20 @@
 
 use glam::DVec3;
 
+/// 2^-500, above lengths whose squares underflow in f64, or nearly do.
+pub(crate) const UNDERFLOW: f64 = 3.054_936_363_499_605e-151;
+
 /// Near points of two triangles. They are found by a fixed sequence of operations, so that equal corners have equal points.
 ///
 /// With R the largest absolute coordinate of a corner relative to the first of `a`, both lengths are off by less than
-/// 64 · 2^-53 · R, and half of the smallest number that f64 has a square of: the bounds of `bvtt::nearest`, where u is that of f64.
+/// 64 · 2^-53 · R, and by [`UNDERFLOW`]: the bounds of `bvtt::nearest`, where u is that of f64.
 pub(crate) struct Nearest {
     /// One of each: the nearest but for rounding, unless the triangles intersect.
     pub(crate) points: [DVec3; 2],
     /// How far they are apart: no less than the triangles, but for the error.
     pub(crate) length: f64,
     /// How far the triangles are apart along the line through both, and so no more than they are, but for the error. Less than
-    /// 0, or NaN, if that line proves nothing.
+    /// 0 if that line proves nothing.
     pub(crate) apart: f64,
 }
 
@@ -38,17 +41,19 @@ pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
     let length = along.length();
     let (of_a, of_b) = (a.map(|p| p.dot(along)), b.map(|p| p.dot(along)));
     let begin = of_b[0].min(of_b[1]).min(of_b[2]);
-    let apart = (begin - of_a[0].max(of_a[1]).max(of_a[2])) / length;
+    let gap = begin - of_a[0].max(of_a[1]).max(of_a[2]);
+    let apart = if length > UNDERFLOW { gap / length } else { -1.0 };
     Nearest { points: best.map(|p| p + origin), length, apart }
 }
 
 /// Near points of two segments (Ericson, *Real-Time Collision Detection*, 5.1.9).
 fn of_edges([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
     let (g, h, w) = (p_end - p, q_end - q, p - q);
-    let (gg, gh, hh, gw, hw) = (g.dot(g), g.dot(h), h.dot(h), g.dot(w), h.dot(w));
-    let s = clamped((gh * hw - gw * hh) / (gg * hh - gh * gh));
-    let t = clamped((gh * s + hw) / hh);
-    let s = clamped((gh * t - gw) / gg);
+    let (n, gh) = (g.cross(h), g.dot(h));
+    // As products of normals: of dots, those of edges nearly in parallel would cancel.
+    let s = clamped(h.cross(w).dot(n) / n.dot(n));
+    let t = clamped((gh * s + h.dot(w)) / h.dot(h));
+    let s = clamped((gh * t - g.dot(w)) / g.dot(g));
     [p + g * s, q + h * t]
 }
 
@@ -56,9 +61,9 @@ fn of_edges([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
 fn in_face([p, q, r]: &[DVec3; 3], y: DVec3) -> DVec3 {
     let (g, h, w) = (*q - *p, *r - *p, y - *p);
     let n = g.cross(h);
-    let (gw, hw, gh, inverse) = (g.dot(w), h.dot(w), g.dot(h), 1.0 / n.dot(n));
-    let s = clamped((h.dot(h) * gw - gh * hw) * inverse);
-    let t = clamped((g.dot(g) * hw - gh * gw) * inverse).min(1.0 - s);
+    let inverse = 1.0 / n.dot(n);
+    let s = clamped(w.cross(h).dot(n) * inverse);
+    let t = clamped(g.cross(w).dot(n) * inverse).min(1.0 - s);
     *p + g * s + h * t
 }
 

@@ -145,3 +145,54 @@ fn a_mesh_without_triangles_is_at_no_distance() {
     let query = PairBvtt::new(none.bvh(), some.bvh(), Pose::IDENTITY).unwrap();
     assert_eq!(query.distance(None, Some(TrianglePair { a: 0, b: 0 })), None);
 }
+
+fn of(triangles: &[[[f32; 3]; 3]]) -> Owned {
+    let indices = (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    let positions = triangles.as_flattened().to_vec();
+    Owned::new(MeshData { positions, triangles: indices.collect() }, 2, true)
+}
+
+/// Edges that are parallel but for their rounding to f32, and a point that is nearly as near as they are.
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn near_points_of_edges_nearly_in_parallel_are_the_nearest() {
+    let a = of(&[[
+        [0.049754262, 0.020421863, 0.35722482],
+        [-0.8938322, 0.87080514, 0.7958877],
+        [0.5665641, -0.95869076, -0.44045115],
+    ]]);
+    let edges = [
+        [0.06909349, 0.0029928905, 0.34823424],
+        [-0.874493, 0.85337615, 0.7868971],
+        [-0.16680667, 1.1860366, 0.97176224],
+    ];
+    let b = of(&[edges, [[0.049754266, 0.020421863, 0.35722482]; 3]]);
+    let query = PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+    let gap = query.distance(None, None).unwrap();
+    let [low, high] = gap.interval;
+    assert!(high - low < 1e-12 && gap.pair.b == 0, "{gap:?}");
+    assert_eq!(query.distance(Some(Distance::new(2.88e-9).unwrap()), None).unwrap().pair.b, 0);
+}
+
+/// An extent that no f32 is.
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn the_largest_meshes_have_a_distance() {
+    let a = of(&[[[-3e38, 0.0, 0.0], [-3e38, 1e37, 0.0], [3e38, 0.0, 0.0]]]);
+    let b = of(&[[[0.0, 0.0, 1e30], [1.0, 0.0, 1e30], [0.0, 1.0, 1e30]]]);
+    let query = PairBvtt::new(a.bvh(), b.bvh(), Pose::IDENTITY).unwrap();
+    let [low, high] = query.distance(None, None).unwrap().interval;
+    assert!(low < 1e30 && 1e30 <= high && high < 1e31, "{low:e} {high:e}");
+}
+
+#[test]
+fn a_budget_of_nothing_is_a_step() {
+    let own = Owned::new(sheet(2, |_, _| 0.0), 2, true);
+    let pose = Pose::from_translation([0.0, 0.0, 1.0]);
+    let query = PairBvtt::new(own.bvh(), own.bvh(), pose).unwrap();
+    let mut search = query.search(None, None);
+    while !search.is_done() {
+        query.seek(&mut search, 0);
+    }
+    assert_eq!(search.gap(), query.distance(None, None));
+}

@@ -422,3 +422,18 @@ fn distances_in_f64_as_every_two_triangles() {
     }
     assert!((15..60).contains(&apart), "{apart}");
 }
+
+/// Squares of lengths that underflow prove nothing.
+#[cfg(feature = "within")]
+#[test]
+#[cfg_attr(miri, ignore = "takes miri too long")]
+fn the_smallest_distances_in_f64() {
+    let p = |exponent: i32| f64::from_bits(((1023 + exponent) as u64) << 52);
+    let a = vec![[0.0; 3], [0.0, 0.0, p(-537)], [p(-530), 0.0, 0.0]];
+    let b = vec![[0.0, p(-535), p(-536)], [0.0, 0.0, p(-537) + p(-538)], [0.0, p(-530), p(-536)]];
+    let [a, b] = [a, b].map(|positions| Owned::new(positions, vec![[0, 1, 2]], true));
+    let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &Pose64::IDENTITY).unwrap();
+    let gap = query.distance(None, None).unwrap();
+    assert!(gap.interval[1] > 0.0 && gap.interval[1] < 1e-12, "{gap:?}");
+    assert!(query.distance(Some(crate::Distance::new(1.0).unwrap()), None).is_some());
+}
