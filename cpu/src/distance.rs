@@ -20,7 +20,7 @@ const SLICE: u64 = 512;
 
 impl Pool {
     /// [`PairBvtt::distance`] on the threads of the pool, the same to the bit unless triangles intersect: which of these are named may
-    /// then differ. Also returns whether another thread has worked too. What had been found when the flag was set is not the answer.
+    /// then differ. Also returns whether another thread has worked too. If the flag is set, the gap is not the answer.
     ///
     /// # Examples
     /// ```

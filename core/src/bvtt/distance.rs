@@ -356,7 +356,7 @@ impl Search {
         let (first, most) = (self.len, farthest_square(self.found.reach));
         let tests = a.distances(&b, |n, square| {
             // Bounds that are not numbers are at no distance.
-            if !(square > most) {
+            if square <= most || square.is_nan() {
                 let mut at = self.len;
                 self.push(n, square);
                 while at > first && self.stack[at - 1].1 < square {
