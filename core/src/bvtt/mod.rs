@@ -34,6 +34,8 @@
 //! single box test is too small for a vector unit. Box tests, and so costs, are counted on these pairs.
 
 mod any;
+#[cfg(feature = "within")]
+mod apart;
 mod block;
 mod cull;
 mod cursor;
