@@ -19,7 +19,8 @@
 //! - [`bvh`]: builds, refits and checks of a BVH;
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
-//! - [`one_ring`]: certificates that save a self query the tests of neighbours.
+//! - [`one_ring`]: certificates that save a self query the tests of neighbours;
+//! - [`relation`]: what two solids are to each other.
 //!
 //! # Guarantees
 //! - **Exact.** A query finds the pairs of closed triangles that intersect, no more and no fewer, for the positions given, in
@@ -27,8 +28,8 @@
 //! - **No allocation.** Buffers are slices of the caller's. A `const fn` such as [`bvh::node_bound`] gives the length, and
 //!   [`CapacityError`] says how many elements a buffer lacks. Stack use is bounded: no query recurses.
 //! - **No `std`.** The crate is `no_std` and needs no allocator.
-//! - **Additive features.** `f64`, on by default, lets meshes and poses be in f64, and `within`, on by default too, lets queries
-//!   ask for pairs within a distance; firmware that needs neither leaves them out and is smaller. `std` switches on run-time detection of AVX2 and the float functions of the standard library; it changes no
+//! - **Additive features.** `f64`, on by default, lets meshes and poses be in f64, and `within` and `relation`, on by default too, let queries
+//!   ask for pairs within a distance and for the relation of solids; firmware that needs none of them leaves them out and is smaller. `std` switches on run-time detection of AVX2 and the float functions of the standard library; it changes no
 //!   answer and no type. `glam033` and `glam034` convert [poses](pose) from and into what engines keep;
 //!   `serde` implements `Serialize` and `Deserialize` for [`Pose`], [`Aabb`], [`bvtt::TrianglePair`],
 //!   [`triangle::Contact`], [`triangle::Adjacency`] and [`bvh::BuildOptions`].
@@ -170,6 +171,8 @@ mod mesh;
 pub mod one_ring;
 mod parallel;
 pub mod pose;
+#[cfg(feature = "relation")]
+pub mod relation;
 mod scalar;
 mod simd;
 mod sort;

@@ -11,6 +11,7 @@ pub mod oracle;
 pub mod rng;
 pub mod scenes;
 pub mod shapes;
+pub mod solids;
 
 pub use mesh::MeshData;
 pub(crate) use scenes::grid_triangles;

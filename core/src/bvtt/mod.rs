@@ -46,6 +46,8 @@ mod nearest;
 mod planes;
 mod posed_bvh;
 mod query;
+#[cfg(feature = "relation")]
+mod reach;
 #[cfg(test)]
 mod tests;
 mod traversal;

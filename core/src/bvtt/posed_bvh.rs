@@ -3,6 +3,8 @@
 use crate::aabb::Bounds;
 use crate::pose::{Affine, Pose64, PoseError};
 use crate::scalar::IN_F64;
+#[cfg(feature = "relation")]
+use crate::scalar::Scalar;
 use crate::{Aabb, Bvh, Node, Pose, Triangle};
 use glam::{DVec3, Vec3A};
 
@@ -22,7 +24,7 @@ use glam::{DVec3, Vec3A};
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PosedBvh<'a> {
-    pub(super) bvh: Bvh<'a>,
+    pub(crate) bvh: Bvh<'a>,
     /// The pose of the corners; `None` is the identity. If there is another in f64, that of the shadow.
     pub(super) pose: Option<Affine>,
     /// The pose of the positions in f64, if the mesh or the pose is in f64, or the other side of a query.
@@ -75,7 +77,7 @@ impl<'a> PosedBvh<'a> {
         new
     }
 
-    pub(super) fn unposed(bvh: Bvh<'a>) -> Self {
+    pub(crate) fn unposed(bvh: Bvh<'a>) -> Self {
         Self { bvh, pose: None, pose_f64: None }
     }
 
@@ -112,16 +114,58 @@ impl<'a> PosedBvh<'a> {
     }
 
     /// The posed corners of a triangle.
-    pub(super) fn triangle(&self, triangle: u32) -> Triangle {
+    pub(crate) fn triangle(&self, triangle: u32) -> Triangle {
         let corners = self.bvh.mesh().shadow_triangle(triangle);
         let Some(pose) = self.pose else { return corners };
         corners.map(|p| pose.point(Vec3A::from_array(p)).to_array())
     }
 
     /// The corners of a triangle as they are posed in f64.
-    pub(super) fn triangle_f64(&self, triangle: u32) -> [[f64; 3]; 3] {
+    pub(crate) fn triangle_f64(&self, triangle: u32) -> [[f64; 3]; 3] {
         let corners = self.bvh.mesh().triangle_f64(triangle);
         self.pose_f64.map_or(corners, |pose| corners.map(|p| pose.apply(p)))
+    }
+}
+
+/// Whether the sum of two numbers takes no rounding: it leads back to both (Dekker 1971).
+#[cfg(feature = "relation")]
+fn sums_exactly<C: Scalar>(p: &[C; 3], t: &[f64; 3], sum: &[C; 3]) -> bool {
+    // Sums of f32 are exact in f64 or far from their roundings.
+    (0..3).all(|k| {
+        let (x, sum): (f64, f64) = (p[k].into(), sum[k].into());
+        sum - x == t[k] && sum - t[k] == x
+    })
+}
+
+#[cfg(feature = "relation")]
+impl PosedBvh<'_> {
+    /// Whether it is not posed at all.
+    pub(crate) fn is_unposed(&self) -> bool {
+        self.pose.is_none() || self.pose_f64.is_some_and(|pose| pose == Pose64::IDENTITY)
+    }
+
+    /// Whether the pose only translates, and rounds no position: O(vertices).
+    #[inline(never)]
+    pub(crate) fn is_exact(&self) -> bool {
+        let mesh = self.bvh.mesh();
+        let pose = self.as_pose64();
+        let translation = pose.rows.map(|row| row[3]);
+        if pose != Pose64::from_translation(translation) {
+            return false;
+        }
+        match self.pose_f64 {
+            Some(_) => (0..mesh.vertex_count() as u32).all(|vertex| {
+                let p = mesh.position_f64(vertex);
+                sums_exactly(&p, &translation, &pose.apply(p))
+            }),
+            None => {
+                let Some(pose) = self.pose else { return true };
+                mesh.shadow().iter().all(|p| {
+                    let sum = pose.point(Vec3A::from_array(*p)).to_array();
+                    sums_exactly(p, &translation, &sum)
+                })
+            }
+        }
     }
 }
 

@@ -172,6 +172,12 @@ impl<'a> Mesh<'a> {
         self.origin.map_or([0.0; 3], |origin| origin.to_array())
     }
 
+    /// The same positions with other triangles, whose indices are in range.
+    #[cfg(feature = "relation")]
+    pub(crate) fn with_triangles(self, triangles: &'a [[u32; 3]]) -> Self {
+        Self { triangles, ..self }
+    }
+
     /// The number of vertices.
     #[must_use]
     pub fn vertex_count(self) -> usize {

@@ -41,11 +41,11 @@ pub(super) fn segment_intersects<K: Orientation>(
 }
 
 /// A projection in which a triangle has an area.
-pub(super) struct Projection {
+pub(crate) struct Projection {
     /// The axis along which points are projected.
-    pub(super) axis: usize,
+    pub(crate) axis: usize,
     /// The turn of the corners there.
-    pub(super) turn: i32,
+    pub(crate) turn: i32,
 }
 
 impl Projection {
@@ -60,7 +60,7 @@ impl Projection {
 }
 
 /// The projection in which the triangle has about the largest area; `Some(None)` if it is degenerate.
-pub(super) fn projection<K: Orientation>(t: &[[K::C; 3]; 3]) -> Option<Option<Projection>> {
+pub(crate) fn projection<K: Orientation>(t: &[[K::C; 3]; 3]) -> Option<Option<Projection>> {
     let normal = difference(&t[1], &t[0]).cross(difference(&t[2], &t[0]));
     // The largest area first: it nearly always decides.
     let largest = normal.abs().max_position();
@@ -74,13 +74,13 @@ pub(super) fn projection<K: Orientation>(t: &[[K::C; 3]; 3]) -> Option<Option<Pr
 }
 
 /// The turn of the corners in the projection along an axis.
-pub(super) fn turn<K: Orientation>(t: &[[K::C; 3]; 3], axis: usize) -> Option<i32> {
+pub(crate) fn turn<K: Orientation>(t: &[[K::C; 3]; 3], axis: usize) -> Option<i32> {
     let [p, q, r] = flat(t, axis);
     K::orient2d(&p, &q, &r)
 }
 
 /// Points projected along an axis.
-pub(super) fn flat<C: Copy, const N: usize>(points: &[[C; 3]; N], axis: usize) -> [[C; 2]; N] {
+pub(crate) fn flat<C: Copy, const N: usize>(points: &[[C; 3]; N], axis: usize) -> [[C; 2]; N] {
     points.map(|[x, y, z]| match axis {
         0 => [y, z],
         1 => [z, x],

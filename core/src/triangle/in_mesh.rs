@@ -13,6 +13,8 @@
 //! with an error bound of its own: see [`separated_at_vertex`] and [`separated_at_edge`].
 
 use super::coplanar::{projection, segment_intersects, turn};
+#[cfg(feature = "relation")]
+use super::triangles_intersect;
 use super::{intersects, intersects_in_f64};
 use crate::Mesh;
 use crate::exact::filter64::{UNDERFLOW_2D, UNDERFLOW_3D};
@@ -65,6 +67,24 @@ fn intersects_in_mesh_f64(mesh: Mesh<'_>, [i, j]: [u32; 2], adjacency: Adjacency
         Some(_) if adjacency == Adjacency::SkipNeighbours => false,
         Some([a, b]) => neighbours_intersect::<Exact<f64>>(&a, &b) == Some(true),
     }
+}
+
+/// [`intersects_in_mesh`] of triangles whose vertices and corners these are.
+#[cfg(feature = "relation")]
+pub(crate) fn intersects_as_in_mesh<C: Scalar>(
+    a: &([u32; 3], [[C; 3]; 3]),
+    b: &([u32; 3], [[C; 3]; 3]),
+) -> bool {
+    let shared = shared_with(&b.0, &a.0);
+    if shared == [false; 3] {
+        return triangles_intersect::<Exact<C>>(&a.1, &b.1) == Some(true);
+    }
+    let neighbour = |t: &([u32; 3], [[C; 3]; 3]), shared| {
+        let position = |vertex: u32| t.1[(0..2).find(|&k| t.0[k] == vertex).unwrap_or(2)];
+        Neighbour::new(position, &t.0, shared)
+    };
+    let [a, b] = [neighbour(a, shared), neighbour(b, shared_with(&a.0, &b.0))];
+    neighbours_intersect::<Exact<C>>(&a, &b) == Some(true)
 }
 
 /// Two triangles of a mesh, if they share a vertex.

@@ -30,9 +30,13 @@ mod nearest;
 mod within;
 
 use coplanar::coplanar_triangles_intersect;
+#[cfg(feature = "relation")]
+pub(crate) use coplanar::{Projection, flat, projection, turn};
 
 pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
+#[cfg(feature = "relation")]
+pub(crate) use in_mesh::intersects_as_in_mesh;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 #[cfg(feature = "within")]
 pub(crate) use nearest::{Nearest, UNDERFLOW, nearest};
@@ -155,7 +159,7 @@ fn intervals_overlap<K: Orientation>(
 /// The corners of both triangles from their apexes on, and the side of the apex of `b`. The other two corners of `b` are in
 /// the order in which the intervals of both triangles run the same way.
 #[inline]
-fn arrange<'t, T>(
+pub(crate) fn arrange<'t, T>(
     a: &'t [T; 3],
     a_sides: &[i32; 3],
     b: &'t [T; 3],

@@ -1,0 +1,227 @@
+//! Relations of solids that are sets of cells, which tell the truth.
+
+extern crate std;
+
+use super::*;
+use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound};
+use crate::{Bvh, Mesh, Node, Pose};
+use pfront_testkit::MeshData;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded, seq::SliceRandom};
+use pfront_testkit::solids::{Truth, map, mapped, pair, truth};
+use std::vec;
+
+/// How many pairs a test asks about: `PFRONT_RELATION_PAIRS` of them, or few.
+fn rounds(few: usize) -> usize {
+    let asked = std::env::var("PFRONT_RELATION_PAIRS").ok().and_then(|n| n.parse().ok());
+    if cfg!(miri) { 3 } else { asked.unwrap_or(few) }
+}
+
+/// Calls `then` with the BVH of a mesh.
+fn with_bvh<R>(mesh: Mesh<'_>, then: impl FnOnce(Bvh<'_>) -> R) -> R {
+    let n = mesh.triangles().len();
+    let (mut nodes, mut order) = (vec![Node::EMPTY; node_bound(n)], vec![0; n]);
+    let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    then(morton(mesh, &BuildOptions::default(), storage, &mut vec![0; 2 * n]).unwrap())
+}
+
+/// Calls `then` with the solid of a mesh.
+fn with_solid<R>(mesh: Mesh<'_>, then: impl FnOnce(Result<Solid<'_>, NotSolid>) -> R) -> R {
+    let n = mesh.triangles().len();
+    let mut words = vec![0; solid_bound(n)];
+    let mut scratch = vec![0; solid_scratch_bound(mesh.vertex_count(), n)];
+    with_bvh(mesh, |bvh| then(Solid::new(bvh, &mut words, &mut scratch)))
+}
+
+fn mesh(data: &MeshData) -> Mesh<'_> {
+    Mesh::new(&data.positions, &data.triangles).unwrap()
+}
+
+/// The relation of two meshes, pairs taken in pages by several workers.
+fn between(a: &MeshData, b: &MeshData, pose: Pose) -> Between {
+    with_solid(mesh(a), |a| {
+        with_solid(mesh(b), |b| {
+            let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), pose).unwrap();
+            let mut lines = vec![0; seen_bound(query.patches())];
+            let found = query.relation(&mut lines).unwrap();
+            assert_eq!(by_workers(&query).relation, found.relation);
+            found
+        })
+    })
+}
+
+/// The same by two workers who see every other pair, and stop at nothing.
+fn by_workers(query: &RelationQuery<'_>) -> Between {
+    let words = seen_bound(query.patches());
+    let (mut own, mut others) = (vec![0; words], vec![0; words]);
+    let mut seen = [&mut own, &mut others].map(|lines| Seen::new(query, lines).unwrap());
+    let (mut turn, mut cursor) = (0, crate::bvtt::Query::start(query.pairs()));
+    let _ = crate::bvtt::Query::visit(query.pairs(), &mut cursor, |pair| {
+        turn = 1 - turn;
+        let _ = query.add(&mut seen[turn], pair);
+        core::ops::ControlFlow::Continue(())
+    });
+    let [mut seen, other] = seen;
+    seen.join(&other);
+    query.conclude(seen)
+}
+
+/// A pair of solids as meshes, and the truth about them.
+fn lattice_pair(rng: &mut ChaCha8Rng) -> ([MeshData; 2], Truth) {
+    let solids = pair(rng);
+    let (rows, _) = map(rng);
+    let is_flipped = rng.random_range(0..4) == 0;
+    let meshes = solids.each_ref().map(|solid| {
+        let is_soup = rng.random_range(0..4) == 0;
+        let mut mesh = solid.mesh(is_soup, rng).map(|p| mapped(&rows, p));
+        if is_flipped {
+            let flip = |t: &mut [u32; 3]| {
+                if rng.random_range(0..3) == 0 {
+                    t.swap(1, 2);
+                }
+            };
+            mesh.triangles.iter_mut().for_each(flip);
+        }
+        mesh.triangles.shuffle(rng);
+        mesh.triangles.iter_mut().for_each(|t| t.rotate_left(rng.random_range(0..3)));
+        mesh
+    });
+    let [a, b] = solids.each_ref().map(|solid| solid.cells());
+    (meshes, truth(&a, &b))
+}
+
+#[test]
+fn relations_of_lattice_solids_are_those_of_their_cells() {
+    let mut rng = seeded(44);
+    let mut counts = std::collections::BTreeMap::new();
+    for round in 0..rounds(3_000) {
+        let ([a, b], truth) = lattice_pair(&mut rng);
+        let found = between(&a, &b, Pose::IDENTITY);
+        let word = found.relation.map(Relation::as_str);
+        assert_eq!((word, found.meets), (Some(truth.word), truth.meets), "{round} {a:?} {b:?}");
+        *counts.entry(truth.word).or_insert(0) += 1;
+        if round % 3 == 0 {
+            let swapped = between(&b, &a, Pose::IDENTITY).relation.map(Relation::swapped);
+            assert_eq!(swapped, found.relation, "{round}");
+        }
+    }
+    std::println!("{counts:?}");
+    assert!(cfg!(miri) || counts.len() == 6 && counts.values().all(|&n| n > 30), "{counts:?}");
+}
+
+/// Where positions are moved without rounding, and where they are rounded: the relation is that of the posed positions.
+#[test]
+fn posed_solids_are_solids_of_posed_positions() {
+    let mut rng = seeded(45);
+    let (mut known, mut rounded) = (0, 0);
+    for round in 0..rounds(600) {
+        let ([a, b], _) = lattice_pair(&mut rng);
+        let by = [0; 3].map(|_| rng.random_range(-9..=9) as f32);
+        let mut pose = Pose::from_translation(by);
+        if round % 2 == 0 {
+            let turn = [0; 4].map(|_| rng.random_range(-1.0..1.0_f32));
+            let length = turn.iter().map(|x| x * x).sum::<f32>().sqrt();
+            pose = Pose::from_rotation_translation(turn.map(|x| x / length), by);
+        }
+        let posed = b.clone().map(|p| pose.apply(p));
+        let is_solid =
+            with_solid(mesh(&posed), |solid| solid.is_ok_and(|s| s.marked_pair().is_none()));
+        if !is_solid {
+            continue;
+        }
+        let expected = between(&a, &posed, Pose::IDENTITY);
+        assert!(expected.relation.is_some());
+        let found = between(&a, &b, pose);
+        let is_open = found.relation.is_none() && round % 2 == 0;
+        assert!(found.relation == expected.relation || is_open, "{found:?} {expected:?}");
+        (known, rounded) = (known + usize::from(!is_open), rounded + usize::from(is_open));
+    }
+    std::println!("{known} {rounded}");
+    assert!(cfg!(miri) || known > 20 * rounded, "{known} {rounded}");
+}
+
+#[cfg(feature = "f64")]
+#[test]
+fn relations_in_f64_are_those_of_the_cells() {
+    let mut rng = seeded(46);
+    for _ in 0..rounds(400) {
+        let ([a, b], truth) = lattice_pair(&mut rng);
+        // Coordinates that f32 does not hold.
+        let positions = [&a, &b].map(|mesh| {
+            let wide = |p: &[f32; 3]| p.map(|x| f64::from(x) + 1_073_741_824.5);
+            mesh.positions.iter().map(wide).collect::<vec::Vec<_>>()
+        });
+        let mut shadows = positions.each_ref().map(|positions| vec![[0.0; 3]; positions.len()]);
+        let [own, other] = &mut shadows;
+        let own = Mesh::from_f64(&positions[0], &a.triangles, own).unwrap();
+        let other = Mesh::from_f64(&positions[1], &b.triangles, other).unwrap();
+        with_solid(own, |a| {
+            with_solid(other, |b| {
+                let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), Pose::IDENTITY).unwrap();
+                let found = query.relation(&mut vec![0; seen_bound(query.patches())]).unwrap();
+                assert_eq!(found.relation.map(Relation::as_str), Some(truth.word));
+                assert_eq!(found.meets, truth.meets);
+            });
+        });
+    }
+}
+
+/// The mesh of several.
+fn union(meshes: &[MeshData]) -> MeshData {
+    pfront_testkit::shapes::union(meshes)
+}
+
+fn cube(from: f32, to: f32) -> MeshData {
+    let blocks =
+        pfront_testkit::solids::Blocks { size: [1; 3], offset: [0; 3], blocks: [[0; 3]].into() };
+    blocks.mesh(false, &mut seeded(1)).map(|p| p.map(|x| from + x * (to - from)))
+}
+
+fn refused(mesh_data: &MeshData) -> Option<NotSolid> {
+    with_solid(mesh(mesh_data), |solid| solid.err())
+}
+
+#[test]
+fn what_is_no_solid_is_refused_with_its_place() {
+    let mut open = cube(0.0, 1.0);
+    open.triangles.pop();
+    assert!(matches!(refused(&open), Some(NotSolid::OpenEdge { .. })));
+    let mut flat = cube(0.0, 1.0);
+    flat.triangles.truncate(1);
+    let [p, q, r] = flat.triangles[0];
+    flat.triangles.push([q, p, r]);
+    let pair = crate::bvtt::TrianglePair { a: 0, b: 1 };
+    assert_eq!(refused(&flat), Some(NotSolid::MeetsItself { pair }));
+    assert_eq!(refused(&MeshData::default()), Some(NotSolid::NoVolume));
+    assert_eq!(refused(&cube(0.0, 1.0)), None);
+}
+
+/// Bodies of one mesh that cross each other: what hangs on where they do is undetermined, and nothing else.
+#[test]
+fn what_hangs_on_marked_triangles_is_undetermined() {
+    // Two cubes that cross, with a third apart from both.
+    let tangled = union(&[cube(0.0, 2.0), cube(1.0, 3.0), cube(10.0, 12.0)]);
+    let relation = |b: &MeshData| between(&tangled, b, Pose::IDENTITY);
+    let of = |low, high| relation(&cube(low, high)).relation;
+    assert_eq!(of(20.0, 21.0), Some(Relation::Apart));
+    assert_eq!(of(11.0, 13.0), Some(Relation::Crossing), "with the third");
+    assert_eq!(of(2.5, 4.0), Some(Relation::Crossing), "by a triangle that meets no other");
+    let hung = relation(&cube(1.0, 1.5));
+    assert!(hung.relation.is_none() && hung.pair.is_some(), "{hung:?}");
+    assert_eq!(of(10.5, 11.5), Some(Relation::BInA));
+    // Whether all of it is inside needs no more than that none of it is seen outside.
+    assert_eq!(of(-1.0, 20.0), Some(Relation::AInB));
+}
+
+/// The inner of two nested bodies that face the same way bounds nothing.
+#[test]
+fn nested_bodies_of_one_mesh_are_one() {
+    let nested = union(&[cube(0.0, 4.0), cube(1.0, 3.0)]);
+    let found = between(&nested, &cube(0.0, 4.0), Pose::IDENTITY);
+    assert_eq!(found.relation, Some(Relation::Equal));
+    let through = between(&nested, &cube(2.0, 3.5), Pose::IDENTITY);
+    assert_eq!((through.relation, through.meets), (Some(Relation::BInA), true));
+    let mut hollow = nested;
+    hollow.triangles[12..].iter_mut().for_each(|t| t.swap(0, 1));
+    let found = between(&hollow, &cube(1.5, 2.5), Pose::IDENTITY);
+    assert_eq!(found.relation, Some(Relation::Apart), "in the cavity");
+}
