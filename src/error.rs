@@ -3,6 +3,7 @@
 use crate::BodyId;
 use pfront_blob::BlobError;
 use pfront_core::pose::PoseError;
+use pfront_core::relation::NotSolid;
 use pfront_core::{CapacityError, DistanceError, MeshError};
 
 /// Why a call could not answer. Each variant names the vertex, triangle, entry or size at fault.
@@ -21,6 +22,9 @@ pub enum Error {
     /// A distance within which pairs are asked for is NaN, infinite or negative.
     #[error(transparent)]
     Distance(#[from] DistanceError),
+    /// A mesh is no solid.
+    #[error(transparent)]
+    Solid(#[from] NotSolid),
     /// A body is no longer in the scene.
     #[error("{id} is not in the scene; it has been removed or split")]
     StaleBody {

@@ -70,7 +70,9 @@ mod model;
 mod once;
 mod pair;
 mod pose;
+mod relation;
 mod scene;
+mod solid;
 mod sphere;
 mod subject;
 mod subject_query;
@@ -85,6 +87,7 @@ pub use once::{any, count, distance, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;
 pub use scene::{Body, BodyId, BodyOptions, Groups, Piece, SceneHit, SceneQuery};
+pub use solid::Solid;
 pub use sphere::Sphere;
 pub use ticket::Ticket;
 
@@ -93,6 +96,7 @@ pub use pfront_core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::{Gap, TrianglePair};
 pub use pfront_core::pose::PoseError;
+pub use pfront_core::relation::{Between, NotSolid, Relation, Rule};
 pub use pfront_core::triangle::{Adjacency, Contact};
 pub use pfront_core::{Aabb, Bvh, Distance, DistanceError, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.

@@ -26,8 +26,8 @@ use std::ops::ControlFlow;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PairQuery {
-    within: Distance,
-    query: SubjectQuery,
+    pub(crate) within: Distance,
+    pub(crate) query: SubjectQuery,
 }
 
 impl PairQuery {

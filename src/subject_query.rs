@@ -4,11 +4,16 @@
 use crate::environment::{Environment, with_default};
 use crate::executor::{
     Answer, Backend, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors, Plan, Verb,
+    visit as search,
 };
+use crate::memory::filled;
 use crate::subject::{Key, Subject};
-use crate::{Contact, Distance, Error, Model, Scalar, TrianglePair};
+use crate::{AnyPose, Contact, Distance, Error, Model, Scalar, Solid, TrianglePair};
 use pfront_core::bvtt::{AnyBvtt, Gap, Query};
+use pfront_core::relation::{Between, RelationQuery, Seen, seen_bound};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 
 /// A pair query or a self query.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +86,49 @@ impl SubjectQuery {
             self.nearest = gap.map(|gap| gap.pair).or(self.nearest);
             Ok(gap)
         })
+    }
+
+    /// The relation of two solids, whose models are those of the subject. The calling thread alone adds pairs as they are found;
+    /// else one is asked for first, and then all, which several threads divide.
+    pub(crate) fn relation(
+        &mut self,
+        subject: &Subject<&Model>,
+        solids: [&Solid; 2],
+        pose: AnyPose,
+    ) -> Result<Between, Error> {
+        let [a, b] = solids.map(Solid::view);
+        let query = RelationQuery::of_pair(pose.pair([a.bvh(), b.bvh()])?, &a, &b);
+        let words = seen_bound(query.patches());
+        let mut lines = filled(0, words)?;
+        let mut seen = Seen::new(&query, &mut lines)?;
+        if self.history.is_sequential() {
+            self.history.note_cpu(Backend::Sequential);
+            let flag = self.history.executor().cancel_flag();
+            search(query.pairs(), flag, |pair| query.add(&mut seen, pair))?;
+            return Ok(query.conclude(seen));
+        }
+        let is_over = match self.ask(subject, Verb::Any)?.first {
+            Some(pair) => query.add(&mut seen, pair).is_break(),
+            None => true,
+        };
+        if !is_over {
+            self.ask(subject, Verb::All)?;
+            let (crosses, all) = (AtomicBool::new(false), Mutex::new(&mut seen));
+            let add = |pairs: &[TrianglePair], _: &mut Vec<()>| {
+                let mut lines = filled(0, words)?;
+                let mut own = Seen::new(&query, &mut lines)?;
+                for pair in pairs {
+                    if crosses.load(Relaxed) || query.add(&mut own, *pair).is_break() {
+                        crosses.store(true, Relaxed);
+                        break;
+                    }
+                }
+                all.lock().unwrap_or_else(PoisonError::into_inner).join(&own);
+                Ok(())
+            };
+            self.history.by_pieces(&self.pairs, add, &mut Vec::new())?;
+        }
+        Ok(query.conclude(seen))
     }
 
     /// All pairs that meet, sorted, with where.

@@ -34,8 +34,9 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 6] = [
+const QUERIES: [&str; 7] = [
     "src/pair.rs",
+    "src/relation.rs",
     "src/itself.rs",
     "src/scene/mod.rs",
     "src/scene/edit.rs",

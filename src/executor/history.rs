@@ -136,7 +136,7 @@ impl<N: Copy + Ord> History<N> {
     ///
     /// # Errors
     /// Every error of `list`. With several threads also [`Error::Memory`] and [`Error::Panicked`].
-    fn by_pieces<T: Sync, R: Send>(
+    pub(crate) fn by_pieces<T: Sync, R: Send>(
         &self,
         items: &[T],
         list: impl Fn(&[T], &mut Vec<R>) -> Result<(), Error> + Sync,
@@ -251,6 +251,11 @@ impl<N: Copy + Ord> History<N> {
             }
             _ => self.note_cpu(backend),
         }
+    }
+
+    /// Whether the calling thread alone answers.
+    pub(crate) fn is_sequential(&self) -> bool {
+        self.executor.pool.is_none() && self.executor.device.is_none()
     }
 
     /// The executor of the query.

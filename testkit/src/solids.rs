@@ -22,7 +22,7 @@ pub struct Blocks {
     pub blocks: BTreeSet<Cell>,
 }
 
-/// What is between two sets of cells.
+/// The relation of two sets of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truth {
     /// `apart`, `touching`, `crossing`, `a_in_b`, `b_in_a` or `equal`.
@@ -114,7 +114,7 @@ fn surface(cells: &BTreeSet<Cell>) -> BTreeSet<Cell> {
     points
 }
 
-/// What is between two sets of cells, neither of which is empty.
+/// The relation of two sets of cells, neither of which is empty.
 pub fn truth(a: &BTreeSet<Cell>, b: &BTreeSet<Cell>) -> Truth {
     let volume = a.intersection(b).count();
     let meets = !surface(a).is_disjoint(&surface(b));

@@ -26,7 +26,7 @@ impl<'a> PairBvtt<'a> {
         posed(self.box_poses[side].as_ref(), &bounds)
     }
 
-    /// A box that contains the ray from a posed vertex of a side along an axis, in the same frame. That frame has the axes of the
+    /// A box that contains the ray from a posed vertex of a side along an axis, in the same frame, which has the axes of the
     /// query if the first mesh is not posed.
     pub(crate) fn box_of_ray(&self, side: usize, vertex: u32, axis: usize) -> Bounds {
         let shadow = self.sides()[side].bvh.mesh().shadow();

@@ -1,4 +1,4 @@
-//! What one solid is to another: apart, touching, crossing, one inside the other, or equal.
+//! The relation of two solids: apart, touching, crossing, one inside the other, or equal.
 //!
 //! A [`Solid`] is a closed mesh with what has to be known of it once: which triangles share each edge, which of them meet their own
 //! mesh elsewhere, and on which side of each is the inside. The points of space are of four classes: in both solids, only in
@@ -36,7 +36,7 @@ pub use solid::{NotSolid, Rule, Solid, solid_bound, solid_scratch_bound};
 use crate::bvtt::TrianglePair;
 use core::fmt;
 
-/// What a solid A is to a solid B, by their interiors and their surfaces.
+/// The relation of a solid A to a solid B, by their interiors and their surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -96,14 +96,16 @@ impl fmt::Display for Relation {
     }
 }
 
-/// What is between two solids.
+/// The answer about two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
     /// The relation; `None` if it is undetermined, since it hangs on triangles that meet their own mesh.
     pub relation: Option<Relation>,
     /// Whether the surfaces meet, as those of nested solids may.
     pub meets: bool,
-    /// A triangle pair that shows it: one that crosses, or touches; or the one on which what is undetermined hangs. Which one
+    /// A triangle pair that shows it: one that crosses, or touches; or the one on which what is undetermined hangs. It
     /// may differ between executors.
     pub pair: Option<TrianglePair>,
+    /// Whether it is undetermined only since the pose has rounded positions of B: a [`Solid`] of the posed mesh has an answer.
+    pub is_rounded: bool,
 }

@@ -27,8 +27,8 @@ pub const fn seen_bound(patches: usize) -> usize {
     patches.div_ceil(32)
 }
 
-/// What has been seen of two solids: which classes of points occur, whether the surfaces meet, and which patches meet the other
-/// along a line. What several workers have seen is joined, in any order.
+/// The evidence about two solids so far: which classes of points occur, whether the surfaces meet, and which patches meet the other
+/// along a line. The evidence of several workers is joined, in any order.
 #[derive(Debug)]
 pub struct Seen<'s> {
     classes: u8,
@@ -155,7 +155,7 @@ impl<'a> RelationQuery<'a> {
     /// [`CapacityError`] if it has fewer.
     ///
     /// # Complexity
-    /// That of [`Query::any`](crate::bvtt::Query::any) if the solids cross where they are first found to meet; else of all pairs, with
+    /// As [`Query::any`](crate::bvtt::Query::any) if the solids cross where they are first found to meet; else of all pairs, with
     /// about a microsecond for each, and a ray for each patch that meets the other along no line.
     pub fn relation(&self, lines: &mut [u32]) -> Result<Between, CapacityError> {
         let mut seen = Seen::new(self, lines)?;
@@ -178,30 +178,24 @@ impl<'a> RelationQuery<'a> {
         ControlFlow::Break(())
     }
 
-    /// Whether [`RelationQuery::conclude`] will know the relation only if `b` is a solid of the posed mesh: a rounded position may
-    /// make triangles of one mesh meet, and pairs have been passed over that would show it.
-    #[must_use]
-    pub fn is_rounded(&self, seen: &Seen<'_>) -> bool {
-        seen.is_rounded && !seen.is_crossing()
-    }
-
     /// The relation, when all pairs have been added or the solids are known to cross.
     #[must_use]
     pub fn conclude(&self, mut seen: Seen<'_>) -> Between {
         let (meets, mut pair) = (seen.meets, seen.pair);
         if seen.is_crossing() {
-            return Between { relation: Some(Relation::Crossing), meets, pair };
+            return Between { relation: Some(Relation::Crossing), meets, pair, is_rounded: false };
         }
         let doubtful = self.look_from_patches(&mut seen);
         let relation = relation_of(seen.classes, meets);
         let is_open = seen.undetermined.is_some() && relation != Relation::Crossing;
         if is_open || seen.is_rounded || relation_of(seen.classes | doubtful, meets) != relation {
-            return Between { relation: None, meets, pair: seen.undetermined.or(pair) };
+            let is_rounded = seen.is_rounded && seen.undetermined.is_none();
+            return Between { relation: None, meets, pair: seen.undetermined.or(pair), is_rounded };
         }
         if relation != Relation::Crossing && !meets {
             pair = None;
         }
-        Between { relation: Some(relation), meets, pair }
+        Between { relation: Some(relation), meets, pair, is_rounded: false }
     }
 
     /// Adds the classes on both sides of each patch that meets the other mesh along no line. Returns those that may occur at marked
@@ -227,7 +221,7 @@ impl<'a> RelationQuery<'a> {
                 if mesh == 1 && !is_marked && !self.is_exact() {
                     front = own_winding(&self.query, 1, triangle);
                     let rule = self.solids[1].rule();
-                    // Of a patch that bounds nothing, rounding may have made one that does.
+                    // Rounding may have made a patch that bounds nothing one that does.
                     seen.is_rounded |= rule.is_inside(front) == rule.is_inside(front + 1);
                 }
                 let sides = if is_marked { [0, 1] } else { [front, front + 1] };

@@ -8,13 +8,13 @@ use crate::triangle::projection;
 use crate::{Bvh, CapacityError, Mesh};
 use core::ops::ControlFlow;
 
-/// Which points of space are the interior of a mesh.
+/// The rule for the interior of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rule {
-    /// Those with a winding number other than 0: every edge is run along as often in the one direction as in the other, so that
+    /// Points with a winding number other than 0: every edge is run along as often in the one direction as in the other, so that
     /// bodies of one mesh that overlap are united, and a mesh that is turned inside out is the same solid.
     NonZero,
-    /// Those from which a ray leaves through an odd number of triangles: edges have an even number of triangles, not all
+    /// Points from which a ray leaves through an odd number of triangles: edges have an even number of triangles, not all
     /// oriented alike.
     Odd,
 }
@@ -63,7 +63,7 @@ const HEADER: usize = 4;
 /// The patch of a degenerate triangle.
 pub(super) const DEGENERATE: u32 = u32::MAX;
 
-/// Of a patch of marked triangles.
+/// The bit of a patch of marked triangles.
 pub(super) const MARKED: u32 = 1 << 31;
 
 /// A closed mesh and its BVH, with the fans of its edges, its patches and their winding numbers. Copying is free.
@@ -169,7 +169,7 @@ impl<'a> Solid<'a> {
         self.bvh
     }
 
-    /// Which points are its interior.
+    /// The rule for its interior.
     #[must_use]
     pub fn rule(&self) -> Rule {
         if self.words[1] == 0 { Rule::NonZero } else { Rule::Odd }

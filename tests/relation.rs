@@ -1,0 +1,90 @@
+//! Relations of solids that are sets of cells, by every executor.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use pfront::{Executor, Model, PairQuery, Pose, Pose64, Relation, Solid};
+use pfront_testkit::MeshData;
+use pfront_testkit::rng::{RngExt, seeded};
+use pfront_testkit::solids::{Truth, map, mapped, pair, truth};
+
+fn solid(mesh: MeshData) -> Solid {
+    Solid::new(Model::new(mesh.positions, mesh.triangles).unwrap()).unwrap()
+}
+
+fn executors() -> Vec<Executor> {
+    let mut executors = vec![Executor::sequential()];
+    #[cfg(feature = "threads")]
+    executors.push(Executor::threads(2));
+    #[cfg(feature = "gpu")]
+    {
+        let gpu = pfront::gpu::Gpu::new().unwrap();
+        executors.push(Executor::gpu(&gpu, gpu.settings()));
+    }
+    executors
+}
+
+fn lattice_pair(rng: &mut pfront_testkit::rng::ChaCha8Rng) -> ([MeshData; 2], Truth) {
+    let solids = pair(rng);
+    let (rows, _) = map(rng);
+    let meshes = solids.each_ref().map(|solid| {
+        let is_soup = rng.random_range(0..4) == 0;
+        solid.mesh(is_soup, rng).map(|p| mapped(&rows, p))
+    });
+    let [a, b] = solids.each_ref().map(|solid| solid.cells());
+    (meshes, truth(&a, &b))
+}
+
+#[test]
+fn every_executor_tells_the_relation_of_the_cells() {
+    let mut rng = seeded(47);
+    let executors = executors();
+    let mut queries: Vec<_> = executors.iter().map(|e| PairQuery::new().on(e)).collect();
+    for round in 0..60 {
+        let (meshes, truth) = lattice_pair(&mut rng);
+        let [a, b] = meshes.map(solid);
+        for query in &mut queries {
+            let found = query.relation(&a, &b, Pose::IDENTITY).unwrap();
+            let word = found.relation.map(Relation::as_str);
+            assert_eq!((word, found.meets), (Some(truth.word), truth.meets), "{round}");
+        }
+    }
+}
+
+/// In poses that round, a solid is what its posed positions say.
+#[test]
+fn rounded_solids_are_solids_of_their_posed_positions() {
+    let mut rng = seeded(48);
+    let mut query = PairQuery::new();
+    for round in 0..300 {
+        let ([a, mesh], _) = lattice_pair(&mut rng);
+        let (s, c) = [(0.6, 0.8), (0.1_f32.sin(), 0.1_f32.cos()), (1.0, 0.0)][round % 3];
+        let by = [0; 3].map(|_| rng.random_range(-4..=4) as f32);
+        let pose = Pose::new([[c, -s, 0.0, by[0]], [s, c, 0.0, by[1]], [0.0, 0.0, 1.0, by[2]]]);
+        let posed = mesh.clone().map(|p| pose.apply(p));
+        let Ok(posed) = Solid::new(Model::new(posed.positions, posed.triangles).unwrap()) else {
+            continue;
+        };
+        let (a, b) = (solid(a), solid(mesh));
+        let expected = query.relation(&a, &posed, Pose::IDENTITY).unwrap();
+        let found = query.relation(&a, &b, pose).unwrap();
+        assert_eq!((found.relation, found.meets), (expected.relation, expected.meets), "{round}");
+        let in_f64 = query.relation(&a, &b, Pose64::from(pose)).unwrap();
+        assert!(in_f64.relation.is_some(), "{round}");
+    }
+}
+
+#[test]
+fn solids_apart_are_near_within_the_distance() {
+    let mut rng = seeded(49);
+    let unit =
+        pfront_testkit::solids::Blocks { size: [1; 3], offset: [0; 3], blocks: [[0; 3]].into() };
+    let cube = solid(unit.mesh(false, &mut rng));
+    let beside = Pose::from_translation([1.25, 0.0, 0.0]);
+    let relation = |d: f32, pose| {
+        let mut query = PairQuery::new().within(d).unwrap();
+        query.relation(&cube, &cube, pose).unwrap().relation
+    };
+    assert_eq!(relation(0.25, beside), Some(Relation::Near));
+    assert_eq!(relation(0.125, beside), Some(Relation::Apart));
+    assert_eq!(relation(0.25, Pose::IDENTITY), Some(Relation::Equal));
+}
