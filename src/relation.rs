@@ -1,16 +1,18 @@
 //! The relation of two solids.
 
 use crate::environment::with_default;
+use crate::memory::filled;
 use crate::subject::Subject;
 use crate::{AnyPose, Distance, Error, PairQuery, Pose, Solid};
-use pfront_core::relation::{Between, Relation};
+use pfront_core::relation::{Between, Overlap, Relation, RelationQuery, overlap_bound};
 
 impl PairQuery {
     /// The relation of two solids, exactly: apart, touching, crossing, one inside the other, or equal; undetermined where it
     /// hangs on triangles that meet their own mesh. With [`PairQuery::within`], solids that are apart are near if they are at most
     /// that far apart.
     ///
-    /// The second solid is posed into the frame of the first, where rounding alone can make flush parts cross by a trifle. If the pose rounds positions and the answer could hang
+    /// The second solid is posed into the frame of the first, where rounding alone can make flush parts cross by a trifle: ask
+    /// for their [overlap volume](PairQuery::overlap_volume) before calling that a clash. If the pose rounds positions and the answer could hang
     /// on that, a solid is made of the posed mesh.
     ///
     /// # Errors
@@ -66,6 +68,47 @@ impl PairQuery {
                 }
             }
             Ok(between)
+        })
+    }
+
+    /// The volume that two solids have in common: an interval that holds it, in the units of the first. It is found from the triangle
+    /// pairs that intersect, without any new mesh.
+    ///
+    /// Of solids whose posed positions rounding has made to meet themselves, it counts what they surround more than once as often.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`]; [`Error::Solid`] if triangles of one of the two meet their own mesh.
+    ///
+    /// # Complexity
+    /// That of [`PairQuery::all`], about a microsecond a pair, and O(triangles).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose, Solid};
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let solid = Solid::new(Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?)?;
+    /// let half = Pose::from_translation([0.5, 0.0, 0.0]);
+    /// let [low, high] = PairQuery::new().overlap_volume(&solid, &solid, half)?;
+    /// assert!(low <= 1.0 / 48.0 && 1.0 / 48.0 <= high && high - low < 1e-12);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn overlap_volume(
+        &mut self,
+        a: &Solid,
+        b: &Solid,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<[f64; 2], Error> {
+        let pose = a_from_b.into();
+        with_default(|| {
+            let models = [&**a.model(), &**b.model()];
+            let subject = Subject::pair(models, pose, Distance::default())?;
+            let [a, b] = [a.view(), b.view()];
+            let query = RelationQuery::of_pair(pose.pair([a.bvh(), b.bvh()])?, &a, &b);
+            let triangles = models.map(|model| model.mesh().triangles().len());
+            let mut words = filled(0, overlap_bound(triangles[0] + triangles[1]))?;
+            let mut overlap = Overlap::new(&query, &mut words)?;
+            self.query.all(&subject)?.iter().for_each(|&pair| overlap.add(pair));
+            Ok(overlap.conclude())
         })
     }
 }

@@ -22,6 +22,7 @@
 //! The interior of a mesh is that of the points with a winding number other than 0, or, of a mesh whose triangles are not
 //! oriented alike, with an odd one: see [`Rule`].
 
+mod ball;
 mod fans;
 mod picture;
 mod query;
@@ -29,9 +30,11 @@ mod ray;
 mod solid;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use query::{RelationQuery, Seen, seen_bound};
 pub use solid::{NotSolid, Rule, Solid, solid_bound, solid_scratch_bound};
+pub use volume::{Overlap, overlap_bound};
 
 use crate::bvtt::TrianglePair;
 use core::fmt;

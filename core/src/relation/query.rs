@@ -115,8 +115,8 @@ impl<'s> Seen<'s> {
 /// ```
 #[derive(Debug)]
 pub struct RelationQuery<'a> {
-    query: PairBvtt<'a>,
-    solids: [Solid<'a>; 2],
+    pub(super) query: PairBvtt<'a>,
+    pub(super) solids: [Solid<'a>; 2],
     /// Whether the pose rounds no position of the second mesh, so that all that is known of its solid holds where it is posed:
     /// 0 if that has not been looked at, then 1 or 2.
     exactness: AtomicU8,
@@ -238,6 +238,14 @@ impl<'a> RelationQuery<'a> {
             }
         }
         doubtful
+    }
+
+    /// A point near the middle of what the boxes of both have in common.
+    pub(super) fn middle(&self) -> glam::DVec3 {
+        let side = self.query.sides()[0];
+        let root = side.bvh.root().map(|node| node.bounds());
+        let centre = root.map_or(glam::Vec3A::ZERO, |bounds| bounds.min * 0.5 + bounds.max * 0.5);
+        centre.as_dvec3() + glam::DVec3::from_array(side.bvh.mesh().origin())
     }
 
     /// The number of the first patch of a mesh among those of both.
@@ -411,7 +419,7 @@ impl<'a> RelationQuery<'a> {
     }
 
     /// Whether a half-edge is the lowest of its edge: the line of an edge is looked at once for each triangle that it meets.
-    fn is_lowest(&self, mesh: usize, half_edge: u32) -> bool {
+    pub(super) fn is_lowest(&self, mesh: usize, half_edge: u32) -> bool {
         fan(self.solids[mesh].next(), half_edge).all(|other| half_edge <= other)
     }
 

@@ -31,8 +31,8 @@ pub enum NotSolid {
         /// The edge: from this corner to the next.
         edge: u32,
     },
-    /// Every triangle that could bound an interior meets the mesh beyond the corners that they share.
-    #[error("triangles {} and {} meet, and so do all others that could bound the solid", pair.a, pair.b)]
+    /// Triangles meet beyond the corners that they share: each that could bound an interior does, or a volume is asked for.
+    #[error("triangles {} and {} meet beyond the corners that they share", pair.a, pair.b)]
     MeetsItself {
         /// The lowest pair; twice the same triangle if it is an edge that makes no sense without triangles of no area.
         pair: TrianglePair,

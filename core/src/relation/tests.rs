@@ -225,3 +225,45 @@ fn nested_bodies_of_one_mesh_are_one() {
     let found = between(&hollow, &cube(1.5, 2.5), Pose::IDENTITY);
     assert_eq!(found.relation, Some(Relation::Apart), "in the cavity");
 }
+
+/// The common volume of two meshes.
+fn overlap(a: &MeshData, b: &MeshData, pose: Pose) -> [f64; 2] {
+    with_solid(mesh(a), |a| {
+        with_solid(mesh(b), |b| {
+            let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), pose).unwrap();
+            let triangles = query.solids.iter().map(|s| s.bvh().mesh().triangles().len()).sum();
+            let mut words = vec![0; overlap_bound(triangles)];
+            let mut overlap = Overlap::new(&query, &mut words).unwrap();
+            let mut cursor = crate::bvtt::Query::start(query.pairs());
+            let _ = crate::bvtt::Query::visit(query.pairs(), &mut cursor, |pair| {
+                overlap.add(pair);
+                core::ops::ControlFlow::Continue(())
+            });
+            overlap.conclude()
+        })
+    })
+}
+
+#[test]
+fn the_volume_of_lattice_solids_is_that_of_their_cells() {
+    let mut rng = seeded(50);
+    for round in 0..rounds(2_000) {
+        let solids = pair(&mut rng);
+        let (rows, scale) = map(&mut rng);
+        let is_flipped = rng.random_range(0..8) == 0;
+        let [a, b] = solids.each_ref().map(|solid| {
+            let is_soup = rng.random_range(0..4) == 0;
+            let mut mesh = solid.mesh(is_soup, &mut rng).map(|p| mapped(&rows, p));
+            if is_flipped {
+                mesh.triangles.iter_mut().filter(|t| t[0] % 3 == 0).for_each(|t| t.swap(1, 2));
+            }
+            mesh
+        });
+        let [own, other] = solids.each_ref().map(|solid| solid.cells());
+        let truth = (truth(&own, &other).volume * scale as usize) as f64;
+        let [low, high] = overlap(&a, &b, Pose::IDENTITY);
+        assert!(low <= truth && truth <= high, "{round}: {truth} {low} {high}");
+        let reach = a.positions.iter().flatten().fold(1.0_f32, |most, x| most.max(x.abs()));
+        assert!(high - low < 1e-10 * f64::from(reach).powi(3), "{round}: {truth} {low} {high}");
+    }
+}
