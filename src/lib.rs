@@ -86,7 +86,10 @@ pub use model::{Model, Scalar, Stamp};
 pub use once::{any, count, distance, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;
-pub use scene::{Body, BodyId, BodyOptions, Groups, Piece, SceneHit, SceneQuery};
+pub use scene::{
+    Allowed, Body, BodyId, BodyOptions, CheckReport, CheckedPair, Groups, Piece, SceneHit,
+    SceneQuery,
+};
 pub use solid::Solid;
 pub use sphere::Sphere;
 pub use ticket::Ticket;

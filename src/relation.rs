@@ -74,13 +74,13 @@ impl PairQuery {
     /// The volume that two solids have in common: an interval that holds it, in the units of the first. It is found from the triangle
     /// pairs that intersect, without any new mesh.
     ///
-    /// Of solids whose posed positions rounding has made to meet themselves, it counts what they surround more than once as often.
+    /// Where rounding has made a posed mesh meet itself, points that it surrounds more than once count as often.
     ///
     /// # Errors
     /// As [`PairQuery::all`]; [`Error::Solid`] if triangles of one of the two meet their own mesh.
     ///
     /// # Complexity
-    /// That of [`PairQuery::all`], about a microsecond a pair, and O(triangles).
+    /// As [`PairQuery::all`], about a microsecond a pair, and O(triangles).
     ///
     /// # Examples
     /// ```

@@ -34,13 +34,14 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 7] = [
+const QUERIES: [&str; 8] = [
     "src/pair.rs",
     "src/relation.rs",
     "src/itself.rs",
     "src/scene/mod.rs",
     "src/scene/edit.rs",
     "src/scene/nearest.rs",
+    "src/scene/check.rs",
     "src/batch/mod.rs",
 ];
 

@@ -121,3 +121,56 @@ fn the_overlap_volume_is_that_of_the_cells() {
         assert!(high - low < 1e-7 && low < truth + 1e-7 && high > truth - 1e-7, "{round}");
     }
 }
+
+/// An assembly of flush parts, turned by 37 degrees: of all that rounding makes cross, only the true clash is above a tolerance.
+#[test]
+fn the_check_of_a_turned_assembly_finds_its_one_clash() {
+    use pfront::{Allowed, SceneQuery};
+    use pfront_testkit::solids::Blocks;
+    use std::sync::Arc;
+    let mut rng = seeded(52);
+    let (s, c) = 37_f32.to_radians().sin_cos();
+    let turn = Pose::new([[c, -s, 0.0, 0.1], [s, c, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3]]);
+    let mut blocks = |size: [i32; 3], offset: [i32; 3]| {
+        Blocks { size, offset, blocks: [[0; 3]].into() }.mesh(false, &mut rng)
+    };
+    // Rows of cubes of edge 4 that lie flush, every other by 1 farther, a peg in a hole of a plate, and equal parts; the last part clashes by 1.
+    let mut parts: Vec<_> =
+        (0..290).map(|i| blocks([4; 3], [4 * (i % 10) + i / 10 % 2, 4 * (i / 10), 0])).collect();
+    let hole: std::collections::BTreeSet<_> = pfront_testkit::solids::cells_of_box([3, 3, 2])
+        .filter(|&[x, y, _]| [x, y] != [1, 1])
+        .collect();
+    parts.push(
+        Blocks { size: [2; 3], offset: [0, 0, 20], blocks: hole }.mesh(false, &mut seeded(3)),
+    );
+    parts.push(blocks([2, 2, 4], [2, 2, 20]));
+    parts.push(blocks([2; 3], [0, 0, 40]));
+    parts.push(blocks([2; 3], [0, 0, 40]));
+    parts.push(blocks([6; 3], [20, 0, 40]));
+    parts.push(blocks([2; 3], [22, 2, 42]));
+    let clash = parts.len();
+    parts.push(blocks([4; 3], [0, 0, 3]).map(|[x, y, z]| [x + 0.5, y + 0.5, z]));
+    for executor in executors().into_iter().take(2) {
+        let mut scene = SceneQuery::new().on(&executor);
+        let mut ids = Vec::new();
+        for part in &parts {
+            let part = part.clone().map(|p| turn.apply(p));
+            let model = Model::new(part.positions, part.triangles).unwrap();
+            ids.push(scene.add(Arc::new(model), Pose::IDENTITY).unwrap());
+        }
+        let nested = vec![Relation::Equal, Relation::AInB, Relation::BInA];
+        let mut allowed = Allowed { overlap_volume: 1e-2, ..Allowed::default() };
+        allowed.relations.extend(nested);
+        let report = scene.check(&allowed).unwrap();
+        assert!(report.refused.is_empty());
+        let crossing = report.pairs.iter().filter(|p| p.relation == Some(Relation::Crossing));
+        assert!(crossing.count() > 100, "rounding makes flush parts cross");
+        let clashes: Vec<_> = report.pairs.iter().filter(|pair| !pair.is_allowed).collect();
+        assert!(clashes.iter().all(|pair| pair.bodies[1] == ids[clash]), "{clashes:?}");
+        let volume: f64 = clashes.iter().map(|p| p.overlap_volume.unwrap()[0]).sum();
+        assert_eq!(clashes.len(), 3, "{clashes:?}");
+        assert!((volume - 15.75).abs() < 1e-3, "{volume}");
+        let of = |relation| report.pairs.iter().filter(|p| p.relation == Some(relation)).count();
+        assert_eq!([of(Relation::Equal), of(Relation::BInA)], [1, 1]);
+    }
+}

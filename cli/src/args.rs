@@ -27,13 +27,14 @@ Examples:
   pfront self cloth.ply --csv > folds.csv
   pfront scene room.glb --ignore 'Lid*' Box       the bodies of a scene that meet, by name
   pfront scene room.glb --bodies --within 0.5     the bodies that are at most so far apart
+  pfront check assembly.glb --clearance 0.5       whether its bodies clash, or are too near
   pfront bake gear.obj && pfront self gear.pfb    with the BVH that was built once
   pfront pairs a.obj b.obj --out curve.obj        the curves in which they intersect
   pfront bench a.obj b.stl                        how fast this machine is
 
 Exit codes:
-  0  done; for any: something meets, or is within the distance; for distance: they are
-  1  for any and distance: nothing is so; with --fail: something is
+  0  done; for any: something meets, or is within the distance; for distance: they are; for check: all is allowed
+  1  for any and distance: nothing is so; for check: something is not allowed; with --fail: something is
   2  the command line or a file was refused; standard error says why
   130  interrupted";
 
@@ -95,6 +96,24 @@ pub(crate) enum Command {
     /// their files put them. One body alone has nothing to meet; for that see pfront self.
     /// Triangles count from 0 within their body.
     Scene(Scene),
+    /// Check an assembly: what its bodies are to each other, and whether that is allowed (exit code 0 or 1)
+    ///
+    /// As a job of continuous integration:
+    ///
+    ///   clash:
+    ///     runs-on: ubuntu-latest
+    ///     steps:
+    ///       - uses: actions/checkout@v4
+    ///       - run: cargo install pfront-cli
+    ///       - run: >
+    ///           pfront check assembly.glb --clearance 0.5 --allow-overlap 0.01
+    ///           --ignore 'Bolt*' 'Nut*' --json > report.json
+    ///
+    /// Every two bodies are apart, near (at most the clearance apart), touching, crossing, a_in_b, b_in_a or equal, exactly; or undetermined,
+    /// where a body is open or that hangs on triangles that meet their own mesh. Apart and touching are allowed, nothing else.
+    /// Rounding makes flush parts cross by a trifle: --allow-overlap allows volumes. Bodies are those of pfront scene.
+    #[command(verbatim_doc_comment)]
+    Check(Check),
     /// Write a mesh with its BVH as one blob, for programs and firmware to borrow
     ///
     /// Wherever a mesh is read, a baked one is too. Prints the bytes of each section.
@@ -331,6 +350,35 @@ pub(crate) struct Scene {
     pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) listing: Listing,
+    #[command(flatten)]
+    pub(crate) executor: ExecutorArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// The meshes
+    #[arg(required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// Bodies at most so far apart are near, which is not allowed without --allow near
+    #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true, value_parser = near)]
+    pub(crate) clearance: Option<f32>,
+    /// Allow these relations too: near, crossing, a_in_b, b_in_a, equal
+    #[arg(long, value_name = "RELATION", value_delimiter = ',')]
+    pub(crate) allow: Vec<String>,
+    /// Allow bodies to cross if their common volume is certainly at most this
+    #[arg(long, value_name = "VOLUME", default_value_t = 0.0, value_parser = distance)]
+    pub(crate) allow_overlap: f64,
+    /// Leave out two bodies, by their names, where * stands for any characters and ? for one; may be given again
+    #[arg(long, num_args = 2, value_names = ["BODY", "BODY"])]
+    pub(crate) ignore: Vec<String>,
+    /// Print one JSON object: see docs/check.md
+    #[arg(long, conflicts_with = "csv")]
+    pub(crate) json: bool,
+    /// Print all pairs as CSV
+    #[arg(long)]
+    pub(crate) csv: bool,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) executor: ExecutorArgs,
 }

@@ -68,6 +68,7 @@ fn main() -> ExitCode {
         }
         Some(Command::SelfCollision(asked)) => command::self_collision::run(&asked),
         Some(Command::Scene(asked)) => command::scene::run(&asked),
+        Some(Command::Check(asked)) => command::check::run(&asked),
         Some(Command::Bake(bake)) => command::bake::run(&bake),
         Some(Command::Bench(bench)) => command::bench::run(&bench),
         Some(Command::Devices { json }) => command::devices::run(json),

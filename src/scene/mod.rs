@@ -4,6 +4,7 @@ mod bodies;
 mod body;
 mod broad;
 mod cache;
+mod check;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(not(feature = "gpu"))]
@@ -15,12 +16,14 @@ mod hit;
 mod id;
 mod nearest;
 mod pairs;
+mod report;
 mod split;
 
 pub use body::{Body, BodyOptions, Groups};
 pub use edit::Piece;
 pub use hit::SceneHit;
 pub use id::BodyId;
+pub use report::{Allowed, CheckReport, CheckedPair};
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};

@@ -3,6 +3,7 @@
 pub(crate) mod any;
 pub(crate) mod bake;
 pub(crate) mod bench;
+pub(crate) mod check;
 pub(crate) mod devices;
 pub(crate) mod distance;
 mod knot;

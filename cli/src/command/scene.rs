@@ -14,9 +14,9 @@ use std::sync::Arc;
 use wildmatch::WildMatch;
 
 /// A body before it is in a scene.
-struct Part {
-    name: String,
-    model: Model,
+pub(super) struct Part {
+    pub(super) name: String,
+    pub(super) model: Model,
     /// Number of its file, and its triangles there, unless it has all.
     file: usize,
     triangles: Option<Vec<u32>>,
@@ -158,7 +158,7 @@ fn ignored_by(path: &Path) -> Result<Vec<[String; 2]>> {
 }
 
 /// The name of a file, with its folder if another of the files has the same.
-fn body_name(path: &Path, files: &[PathBuf]) -> String {
+pub(super) fn body_name(path: &Path, files: &[PathBuf]) -> String {
     let is_alike = |other: &&PathBuf| other.file_name() == path.file_name();
     let is_ambiguous = files.iter().filter(is_alike).any(|other| other != path);
     let name = path.file_name().filter(|_| !is_ambiguous).map(Path::new);
@@ -166,7 +166,7 @@ fn body_name(path: &Path, files: &[PathBuf]) -> String {
 }
 
 /// Adds the bodies of a file, which has the name if it is one body; vertices of a body within a distance become one.
-fn split(
+pub(super) fn split(
     loaded: Contents,
     path: &Path,
     name: String,

@@ -1,7 +1,7 @@
 //! The volume that two solids have in common, from the triangle pairs that intersect.
 //!
 //! The volume of a polyhedron is the sum of the cones from the origin over its faces. The faces of the intersection of two solids are the
-//! parts of each triangle that are inside the other solid. Such a part is bounded by the segments in which the triangle meets others, and
+//! parts of each triangle that are inside the other solid. A part is bounded by the segments in which the triangle meets others, and
 //! by pieces of its own edges. Its cone is a sixth of the sum of det(c, x, y) over its directed boundary segments xy, for any point c of
 //! its plane. With c the first corner, of the pieces of edges only those of the opposite edge count: at the fraction t of that edge an end
 //! counts t times the determinant of the corners. So each pair adds what it knows, in any order, and no part is ever put together

@@ -1,0 +1,185 @@
+//! `pfront check MESH…`
+
+use super::scene::{Part, body_name, split};
+use super::{check_files, read};
+use crate::args::Check;
+use crate::progress::shown;
+use anyhow::{Context, Result, bail, ensure};
+use pfront::{Allowed, BodyId, CheckReport, CheckedPair, Pose, Relation, SceneQuery};
+use pfront_cli::json::{VERSION, write_json};
+use pfront_cli::output::out;
+use pfront_files::escape::escaped;
+use pfront_files::name_apart;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use wildmatch::WildMatch;
+
+/// Names of bodies by their ids.
+type Names = BTreeMap<BodyId, String>;
+
+pub(crate) fn run(asked: &Check) -> Result<bool> {
+    let Check { meshes, ignore, reading, executor, .. } = asked;
+    check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), None)?;
+    let mut scene = SceneQuery::new().on(&executor.open()?);
+    scene.within(asked.clearance.unwrap_or(0.0))?;
+    let (mut parts, (of_files, distance)) = (Vec::new(), reading.bodies_apart());
+    for (file, path) in meshes.iter().enumerate() {
+        let loaded = shown(format!("reading {}", path.display()), || read(path, &of_files))?;
+        split(loaded, path, body_name(path, meshes), file, distance, &mut parts)?;
+    }
+    name_apart(parts.iter_mut().map(|part| &mut part.name));
+    let mut names = Names::new();
+    let mut triangles = BTreeMap::new();
+    for Part { name, model, .. } in parts {
+        let count = model.mesh().triangles().len();
+        let id = scene.add(Arc::new(model), Pose::IDENTITY).with_context(|| name.clone())?;
+        triangles.insert(id, count);
+        names.insert(id, name);
+    }
+    for two in ignore.chunks_exact(2) {
+        let [a, b] = [&two[0], &two[1]].map(|pattern| named(&names, pattern));
+        let (a, b) = (a?, b?);
+        for (&a, &b) in a.iter().flat_map(|a| b.iter().map(move |b| (a, b))) {
+            if a != b {
+                scene.ignore(a, b, true)?;
+            }
+        }
+    }
+    let mut allowed = Allowed { overlap_volume: asked.allow_overlap, ..Allowed::default() };
+    for word in &asked.allow {
+        allowed.relations.push(relation(word)?);
+    }
+    let report = shown("checking the bodies".to_owned(), || anyhow::Ok(scene.check(&allowed)?))?;
+    for (id, error) in &report.refused {
+        eprintln!("{}: no solid: {error}", escaped(&names[id]));
+    }
+    match (asked.json, asked.csv) {
+        (true, _) => write_json(&mut out(), &as_json(&report, &names, &triangles))?,
+        (_, true) => write_csv(&report, &names)?,
+        _ => write_text(&report, &names)?,
+    }
+    Ok(report.is_allowed())
+}
+
+/// The bodies that a name or a pattern names.
+fn named(names: &Names, pattern: &str) -> Result<Vec<BodyId>> {
+    let exact: Vec<_> =
+        names.iter().filter(|(_, name)| *name == pattern).map(|(id, _)| *id).collect();
+    if !exact.is_empty() {
+        return Ok(exact);
+    }
+    let matched = WildMatch::new(pattern);
+    let found: Vec<_> =
+        names.iter().filter(|(_, name)| matched.matches(name)).map(|(id, _)| *id).collect();
+    ensure!(!found.is_empty(), "there is no body {pattern}");
+    Ok(found)
+}
+
+fn relation(word: &str) -> Result<Relation> {
+    let all = [
+        Relation::Apart,
+        Relation::Near,
+        Relation::Touching,
+        Relation::Crossing,
+        Relation::AInB,
+        Relation::BInA,
+        Relation::Equal,
+    ];
+    match all.into_iter().find(|relation| relation.as_str() == word) {
+        Some(relation) => Ok(relation),
+        None => bail!("{word} is no relation; there are {}", all.map(Relation::as_str).join(", ")),
+    }
+}
+
+fn word(pair: &CheckedPair) -> &'static str {
+    pair.relation.map_or("undetermined", Relation::as_str)
+}
+
+/// A pair as JSON; what was not asked is not there.
+fn pair_json(pair: &CheckedPair, names: &Names) -> Value {
+    let mut object = Map::new();
+    let mut add = |name: &str, value: Value| object.insert(name.to_owned(), value);
+    add("a", json!(names[&pair.bodies[0]]));
+    add("b", json!(names[&pair.bodies[1]]));
+    add("relation", json!(word(pair)));
+    add("meets", json!(pair.meets));
+    add("allowed", json!(pair.is_allowed));
+    if let Some(gap) = pair.gap {
+        add("gap", json!(gap));
+    }
+    if let Some(volume) = pair.overlap_volume {
+        add("overlap_volume", json!(volume));
+    }
+    if let Some(place) = pair.place {
+        add("place", json!(place));
+    }
+    if let Some(triangles) = pair.pair {
+        add("triangles", json!([triangles.a, triangles.b]));
+    }
+    Value::Object(object)
+}
+
+fn as_json(report: &CheckReport, names: &Names, triangles: &BTreeMap<BodyId, usize>) -> Value {
+    let body = |(id, name): (&BodyId, &String)| {
+        let refused = report.refused.iter().find(|(other, _)| other == id);
+        let mut object = json!({ "name": name, "triangles": triangles[id] });
+        if let Some((_, error)) = refused {
+            object["refused"] = json!(error.to_string());
+        }
+        object
+    };
+    let mut counts = BTreeMap::<_, u64>::new();
+    report.pairs.iter().for_each(|pair| *counts.entry(word(pair)).or_default() += 1);
+    json!({
+        "version": VERSION,
+        "bodies": names.iter().map(body).collect::<Vec<_>>(),
+        "pairs": report.pairs.iter().map(|pair| pair_json(pair, names)).collect::<Vec<_>>(),
+        "counts": counts,
+        "allowed": report.is_allowed(),
+    })
+}
+
+fn interval([low, high]: [f64; 2]) -> String {
+    format!("{low:e}..{high:e}")
+}
+
+fn write_csv(report: &CheckReport, names: &Names) -> Result<()> {
+    let mut rows = csv::Writer::from_writer(out());
+    rows.write_record(["body_a", "body_b", "relation", "allowed", "meets", "low", "high"])?;
+    for pair in &report.pairs {
+        let [low, high] = match pair.overlap_volume.or(pair.gap) {
+            Some(interval) => interval.map(|x| x.to_string()),
+            None => Default::default(),
+        };
+        let [a, b] = pair.bodies.map(|id| escaped(&names[&id]).into_owned());
+        let [allowed, meets] = [pair.is_allowed, pair.meets].map(|is| is.to_string());
+        rows.write_record([&a, &b, word(pair), &allowed, &meets, &low, &high])?;
+    }
+    rows.flush()?;
+    Ok(())
+}
+
+fn write_text(report: &CheckReport, names: &Names) -> Result<()> {
+    let mut out = out();
+    for pair in report.pairs.iter().filter(|pair| !pair.is_allowed) {
+        let [a, b] = pair.bodies.map(|id| escaped(&names[&id]));
+        write!(out, "{a}  {b}  {}", word(pair))?;
+        if let Some(volume) = pair.overlap_volume {
+            write!(out, "  volume {}", interval(volume))?;
+        }
+        if let Some(gap) = pair.gap {
+            write!(out, "  gap {}", interval(gap))?;
+        }
+        if let Some([x, y, z]) = pair.place {
+            write!(out, "  at {x} {y} {z}")?;
+        }
+        writeln!(out)?;
+    }
+    let refused = report.pairs.iter().filter(|pair| !pair.is_allowed).count();
+    let [bodies, pairs] = [names.len(), report.pairs.len()];
+    writeln!(out, "{bodies} bodies, {pairs} pairs whose boxes overlap, {refused} not allowed")?;
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! What is allowed between bodies, and the report about them.
+
+use super::id::BodyId;
+use crate::{NotSolid, Relation, TrianglePair};
+
+/// The relations of two bodies that are allowed. By default they may be apart or touch, and overlap by nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Allowed {
+    /// The relations.
+    pub relations: Vec<Relation>,
+    /// The largest volume by which two bodies that cross may overlap: flush parts cross by what rounding makes of them.
+    pub overlap_volume: f64,
+}
+
+impl Default for Allowed {
+    fn default() -> Self {
+        Self { relations: vec![Relation::Apart, Relation::Touching], overlap_volume: 0.0 }
+    }
+}
+
+/// Two bodies that are not surely apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckedPair {
+    /// The bodies, that which was added first before the other.
+    pub bodies: [BodyId; 2],
+    /// The relation; `None` if it is undetermined, or a body is no solid.
+    pub relation: Option<Relation>,
+    /// Whether the surfaces meet.
+    pub meets: bool,
+    /// An interval that holds the common volume of bodies that cross, if neither meets itself.
+    pub overlap_volume: Option<[f64; 2]>,
+    /// An interval that holds the smallest distance of bodies that are near.
+    pub gap: Option<[f64; 2]>,
+    /// A pair of triangles that shows the relation.
+    pub pair: Option<TrianglePair>,
+    /// A point in the world where they meet.
+    pub place: Option<[f64; 3]>,
+    /// Whether that is allowed. An undetermined relation is not.
+    pub is_allowed: bool,
+}
+
+/// The relations of the bodies of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckReport {
+    /// Bodies that are no solids, and why.
+    pub refused: Vec<(BodyId, NotSolid)>,
+    /// All pairs of bodies whose boxes overlap and that are not [ignored](SceneQuery::ignore), sorted.
+    pub pairs: Vec<CheckedPair>,
+}
+
+impl CheckReport {
+    /// Whether every pair is allowed.
+    #[must_use]
+    pub fn is_allowed(&self) -> bool {
+        self.pairs.iter().all(|pair| pair.is_allowed)
+    }
+}
