@@ -2,7 +2,6 @@
 
 use super::SceneQuery;
 use super::body::Body;
-use super::id::BodyId;
 use super::pairs::BodyPairs;
 use super::report::{Allowed, CheckReport, CheckedPair};
 use crate::environment::with_default;

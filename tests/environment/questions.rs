@@ -44,6 +44,12 @@ pub(crate) enum Answer {
     Hits(Vec<([usize; 2], TrianglePair)>),
 }
 
+impl From<Vec<Option<[f64; 2]>>> for Answer {
+    fn from(intervals: Vec<Option<[f64; 2]>>) -> Self {
+        Self::Gaps(intervals)
+    }
+}
+
 impl From<Vec<Option<Gap>>> for Answer {
     fn from(gaps: Vec<Option<Gap>>) -> Self {
         Self::Gaps(gaps.into_iter().map(|gap| gap.map(|gap| gap.interval)).collect())
@@ -80,6 +86,7 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
         batch(&mut named, &format!("{kind}, "), models, &poses, executor);
     }
     deforming(&mut named, subjects, executor);
+    solids(&mut named, executor);
     scene(&mut named, subjects, executor);
     named
 }
@@ -132,6 +139,29 @@ fn within(named: &mut Named, kind: &str, model: &Model, on: &Executor) {
             .is_continue()
     );
     add("visit", Answer::Count(count));
+}
+
+/// Solids, which are made in the environment, in poses that round.
+fn solids(named: &mut Named, on: &Executor) {
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let model = Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).unwrap();
+    let model = Arc::new(model);
+    let solid = Solid::new(model.clone()).unwrap();
+    let mut query = PairQuery::new().on(on);
+    for x in [0.0, 1e-40, 0.1, 0.7, 1.0, 1.000_000_1] {
+        let pose = Pose::from_rotation_translation([0.0, 0.0, 1e-4, 1.0], [x, 1e-39, 0.1 * x]);
+        let between = query.relation(&solid, &solid, pose).unwrap();
+        let word = between.relation.map_or(99, |relation| relation as u64);
+        named.push((format!("PairQuery::relation, {x}"), Answer::Count(word)));
+        let volume = query.overlap_volume(&solid, &solid, pose).unwrap();
+        named.push((format!("PairQuery::overlap_volume, {x}"), vec![Some(volume)].into()));
+        let mut scene = SceneQuery::new().on(on);
+        scene.add(model.clone(), Pose::IDENTITY).unwrap();
+        scene.add(model.clone(), pose).unwrap();
+        let report = scene.check(&Allowed::default()).unwrap();
+        let relations = report.pairs.iter().map(|pair| pair.relation.map_or(99, |r| r as u64));
+        named.push((format!("SceneQuery::check, {x}"), Answer::Count(relations.sum())));
+    }
 }
 
 /// Positions that the query sets.

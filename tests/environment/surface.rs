@@ -1,7 +1,7 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 9] = [
+const SURFACE: [(&str, &str, &str, &str); 12] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
@@ -26,6 +26,9 @@ const SURFACE: [(&str, &str, &str, &str); 9] = [
         "distance distance_below",
         "",
     ),
+    ("PairQuery's relations", include_str!("../../src/relation.rs"), "relation overlap_volume", ""),
+    ("SceneQuery's check", include_str!("../../src/scene/check.rs"), "check", ""),
+    ("Solid", include_str!("../../src/solid.rs"), "new", "model rule marked_pair"),
     (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),

@@ -29,7 +29,7 @@ pub(crate) trait Asked {
     }
 
     /// Asks, and compares with the truth. A visitor breaks after so many hits.
-    fn check(&mut self, truth: &Truth<Self::Hit>, verb: Verb, most: usize) -> Result<(), Error> {
+    fn compare(&mut self, truth: &Truth<Self::Hit>, verb: Verb, most: usize) -> Result<(), Error> {
         let Truth { hits, contacts, contacts_f64 } = truth;
         match verb {
             Verb::All => assert_eq!(self.all()?, hits),

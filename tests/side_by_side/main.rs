@@ -134,7 +134,7 @@ impl Game {
         executors.ask(rng, *seat, |verb, most| {
             let mut truth = Truth::default();
             truth.add(&answer, verb, |pair| pair);
-            asked.check(&truth, verb, most)
+            asked.compare(&truth, verb, most)
         });
         let (executor, has_hit) = (seat.executor, !answer.pairs.is_empty());
         let is_divided = is_divided(query.plan());
@@ -162,7 +162,7 @@ impl Game {
         executors.ask(rng, *seat, |verb, most| {
             let mut truth = Truth::default();
             truth.add(&answer, verb, |pair| pair);
-            asked.check(&truth, verb, most)
+            asked.compare(&truth, verb, most)
         });
         let (executor, is_divided) = (seat.executor, is_divided(query.plan()));
         self.note(executor, !answer.pairs.is_empty(), is_divided);
@@ -188,7 +188,7 @@ impl Game {
         executors.ask(rng, seat, |verb, most| {
             let truth = stage.truth(answers, verb);
             has_hit = !truth.hits.is_empty();
-            stage.scene.check(&truth, verb, most)
+            stage.scene.compare(&truth, verb, most)
         });
         let is_divided = is_divided(stage.scene.plan());
         self.note(seat.executor, has_hit, is_divided);
