@@ -148,19 +148,21 @@ fn solids(named: &mut Named, on: &Executor) {
     let model = Arc::new(model);
     let solid = Solid::new(model.clone()).unwrap();
     let mut query = PairQuery::new().on(on);
-    for x in [0.0, 1e-40, 0.1, 0.7, 1.0, 1.000_000_1] {
-        let pose = Pose::from_rotation_translation([0.0, 0.0, 1e-4, 1.0], [x, 1e-39, 0.1 * x]);
+    let offsets =
+        [[0.0; 3], [1e-40, 0.0, 1e-39], [0.1, 0.3, 0.0], [0.7, 1e-40, 0.1], [1.0, 0.0, 0.0]];
+    for (number, offset) in offsets.into_iter().enumerate() {
+        let pose = Pose::from_translation(offset);
         let between = query.relation(&solid, &solid, pose).unwrap();
         let word = between.relation.map_or(99, |relation| relation as u64);
-        named.push((format!("PairQuery::relation, {x}"), Answer::Count(word)));
+        named.push((format!("PairQuery::relation, {number}"), Answer::Count(word)));
         let volume = query.overlap_volume(&solid, &solid, pose).unwrap();
-        named.push((format!("PairQuery::overlap_volume, {x}"), vec![Some(volume)].into()));
+        named.push((format!("PairQuery::overlap_volume, {number}"), vec![Some(volume)].into()));
         let mut scene = SceneQuery::new().on(on);
         scene.add(model.clone(), Pose::IDENTITY).unwrap();
         scene.add(model.clone(), pose).unwrap();
         let report = scene.check(&Allowed::default()).unwrap();
         let relations = report.pairs.iter().map(|pair| pair.relation.map_or(99, |r| r as u64));
-        named.push((format!("SceneQuery::check, {x}"), Answer::Count(relations.sum())));
+        named.push((format!("SceneQuery::check, {number}"), Answer::Count(relations.sum())));
     }
 }
 
