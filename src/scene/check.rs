@@ -157,7 +157,7 @@ fn checked(
                 };
             }
         }
-        // What is no solid has a surface all the same.
+        // Meshes that are no solids have surfaces all the same.
         _ => {
             found.pair = query.any(a.model(), b.model(), pose)?;
             found.meets = found.pair.is_some();

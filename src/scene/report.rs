@@ -1,4 +1,4 @@
-//! What is allowed between bodies, and the report about them.
+//! The report about the bodies of a scene, and the relations that are allowed in it.
 
 use super::id::BodyId;
 use crate::{NotSolid, Relation, TrianglePair};
