@@ -166,6 +166,11 @@ impl Executor {
         self
     }
 
+    /// The calling thread, which hears the same flag.
+    pub(crate) fn alone(&self) -> Self {
+        Self { cancel: self.cancel.clone(), ..Self::default() }
+    }
+
     /// The flag of [`Executor::with_cancel`].
     pub(crate) fn cancel_flag(&self) -> Option<&AtomicBool> {
         self.cancel.as_deref()

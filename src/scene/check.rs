@@ -5,7 +5,7 @@ use super::body::Body;
 use super::pairs::BodyPairs;
 use super::report::{Allowed, CheckReport, CheckedPair};
 use crate::environment::with_default;
-use crate::executor::CpuPart;
+use crate::executor::{self, CpuPart};
 use crate::memory::push;
 use crate::{AnyPose, Between, Error, Model, NotSolid, PairQuery, Pose, Pose64, Relation, Solid};
 use pfront_core::bvtt::Query;
@@ -54,9 +54,10 @@ impl SceneQuery {
             let part = CpuPart::new();
             let solids = self.solids(&asked, &part)?;
             let within = self.bodies.within.get();
+            let alone = self.history.executor().alone();
             let check = |pairs: &[[&Body; 2]], out: &mut Vec<CheckedPair>| {
                 part.works();
-                let mut query = PairQuery::new().within(within)?;
+                let mut query = PairQuery::new().within(within)?.on(&alone);
                 for &bodies in pairs {
                     push(out, checked(&mut query, bodies, &solids, allowed)?)?;
                 }
@@ -85,6 +86,7 @@ impl SceneQuery {
         let make = |models: &[(usize, &Arc<Model>)], out: &mut Vec<_>| {
             part.works();
             for &(key, model) in models {
+                executor::check(self.history.executor().cancel_flag())?;
                 let solid = match Solid::new(model.clone()) {
                     Ok(solid) => Ok(solid),
                     Err(Error::Solid(error)) => Err(error),
