@@ -1,6 +1,6 @@
 //! Errors of the library as exceptions, which are written in Python: `pfront/_errors.py`.
 
-use pfront::{Error, MeshError, PoseError};
+use pfront::{Error, MeshError, NotSolid, PoseError};
 use pfront_files::ReadError;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ use std::path::Path;
 
 mod python {
     pyo3::import_exception!(pfront._errors, MeshError);
+    pyo3::import_exception!(pfront._errors, NotSolid);
     pyo3::import_exception!(pfront._errors, PoseError);
     pyo3::import_exception!(pfront._errors, BlobError);
     pyo3::import_exception!(pfront._errors, StaleBody);
@@ -20,6 +21,7 @@ mod python {
 pub(crate) fn load(py: Python<'_>) -> PyResult<()> {
     for error in [
         python::MeshError::new_err(""),
+        python::NotSolid::new_err(""),
         python::PoseError::new_err(""),
         python::BlobError::new_err(""),
         python::StaleBody::new_err(""),
@@ -37,6 +39,7 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         Error::StaleBody { id } => {
             format!("{id} is not in the scene: it was never added, or has been removed")
         }
+        Error::Solid(error) => return not_solid(py, &error, None),
         _ => error.to_string(),
     };
     let text = pose.map_or(text.clone(), |pose| format!("pose {pose}: {text}"));
@@ -56,6 +59,24 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         }
     }
     raised
+}
+
+/// The exception that a mesh, of this name among those of the question, is no solid.
+pub(crate) fn not_solid(py: Python<'_>, error: &NotSolid, mesh: Option<&str>) -> PyErr {
+    let text = mesh.map_or(error.to_string(), |mesh| format!("{mesh} is no solid: {error}"));
+    let raised = python::NotSolid::new_err(text);
+    let value = raised.value(py);
+    let set = match *error {
+        NotSolid::OpenEdge { triangle, edge } => {
+            value.setattr("face", triangle).and_then(|()| value.setattr("edge", edge))
+        }
+        NotSolid::MeetsItself { pair } => value.setattr("pair", (pair.a, pair.b)),
+        _ => Ok(()),
+    };
+    match set.and_then(|()| value.setattr("mesh", mesh)) {
+        Ok(()) => raised,
+        Err(refused) => refused,
+    }
 }
 
 /// The error of an object that a parent's thread was using when this process was forked.

@@ -110,6 +110,14 @@ impl Executor {
         *lock(&self.answered) = words;
     }
 
+    /// Notes who has answered where there was nothing to choose.
+    pub(crate) fn note_backend(&self, backend: Backend) {
+        *lock(&self.answered) = match backend {
+            Backend::Threads => format!("{} {backend}", self.threads),
+            _ => backend.to_string(),
+        };
+    }
+
     /// The executor of questions that are submitted: "auto" knows nothing of earlier frames there, and is the CPU.
     pub(crate) fn for_batches(&self, py: Python<'_>) -> PyResult<pfront::Executor> {
         match self.device {

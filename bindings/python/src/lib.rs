@@ -23,6 +23,7 @@ mod mutex;
 mod part;
 mod poses;
 mod question;
+mod relation;
 mod scene;
 mod threads;
 mod watchdog;
@@ -56,6 +57,8 @@ mod _pfront {
     use crate::model::Model;
     #[pymodule_export]
     use crate::question::{all, any, at_least, count, first};
+    #[pymodule_export]
+    use crate::relation::{overlap_volume, relation, relations};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

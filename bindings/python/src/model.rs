@@ -1,24 +1,31 @@
 //! Models: meshes with their BVHs.
 
 use crate::arrays::{rows, triples};
-use crate::errors::exception;
+use crate::errors::{exception, not_solid};
 use crate::executor::Executor;
+use crate::lock::lock;
 use crate::memory;
 use crate::threads::{apart, heard};
 use numpy::PyReadonlyArrayDyn;
-use pfront::{BuildOptions, Error, Scalar};
+use pfront::{BuildOptions, Error, Scalar, Solid};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// From so many triangles on, a build takes longer than signals may wait.
-const MANY: usize = 50_000;
+pub(crate) const MANY: usize = 50_000;
 /// Bytes of a blob that are read or written on a thread of their own.
 const LARGE: usize = 4 << 20;
 
-/// A mesh and its BVH, which never change.
+/// A mesh and its BVH, which never change, and what has to be known of it as a solid, once that was asked for.
 #[pyclass(frozen, module = "pfront._pfront")]
-pub struct Model(pub(crate) Arc<pfront::Model>);
+pub struct Model(pub(crate) Arc<pfront::Model>, Mutex<Option<Arc<Solid>>>);
+
+impl From<Arc<pfront::Model>> for Model {
+    fn from(model: Arc<pfront::Model>) -> Self {
+        Self(model, Mutex::default())
+    }
+}
 
 #[pymethods]
 impl Model {
@@ -102,6 +109,7 @@ impl Model {
     fn to_blob<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let model = self.0.clone();
         let bytes = on_thread_if(py, model.bytes() > LARGE, move || model.to_blob())?;
+        let bytes = bytes.map_err(|error| exception(py, error, None))?;
         PyBytes::new_with(py, bytes.len(), |out| {
             out.copy_from_slice(&bytes);
             Ok(())
@@ -152,7 +160,23 @@ impl Model {
             drop(work);
             made
         };
-        Ok(Self(Arc::new(on_thread_if(py, is_long, make)?)))
+        let made = on_thread_if(py, is_long, make)?.map_err(|error| exception(py, error, None))?;
+        Ok(Arc::new(made).into())
+    }
+
+    /// Its solid, which is made when it is asked for first; an error tells the name of the mesh.
+    pub(crate) fn solid(&self, py: Python<'_>, name: &str) -> PyResult<Arc<Solid>> {
+        if let Some(solid) = lock(&self.1).as_ref() {
+            return Ok(solid.clone());
+        }
+        let (model, is_long) = (self.0.clone(), self.counts().1 >= MANY);
+        let solid = match on_thread_if(py, is_long, move || Solid::new(model))? {
+            Ok(solid) => Arc::new(solid),
+            Err(Error::Solid(error)) => return Err(not_solid(py, &error, Some(name))),
+            Err(error) => return Err(exception(py, error, None)),
+        };
+        // Another thread may have made one meanwhile.
+        Ok(lock(&self.1).get_or_insert(solid).clone())
     }
 }
 
@@ -160,10 +184,9 @@ impl Model {
 fn on_thread_if<T: Send + 'static>(
     py: Python<'_>,
     is_long: bool,
-    make: impl FnOnce() -> Result<T, Error> + Send + 'static,
+    make: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
-    let made = if is_long { heard(py, &Arc::default(), make)? } else { apart(py, make) };
-    made.map_err(|error| exception(py, error, None))
+    if is_long { heard(py, &Arc::default(), make) } else { Ok(apart(py, make)) }
 }
 
 /// Positions in float32, if that holds them all to the bit.

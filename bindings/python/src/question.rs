@@ -24,7 +24,7 @@ const RINGS: usize = 1 << 19;
 
 /// How far apart triangles may be, 0 for those that intersect: the f32 that is not less than the number of Python, so that no
 /// pair is missed.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Within(pub(crate) Distance);
 
 impl FromPyObject<'_, '_> for Within {

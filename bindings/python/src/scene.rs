@@ -11,12 +11,13 @@ use crate::model::Model;
 use crate::mutex::{ProcessGuard, ProcessMutex};
 use crate::poses::Poses;
 use crate::question::Within;
+use crate::relation;
 use crate::threads::apart;
 use crate::watchdog::BUDGET;
 use numpy::PyReadonlyArrayDyn;
 use pfront::{
-    Aabb, Adjacency, AnyPose, BodyId, BodyOptions, Distance, Error, Gap, Groups, SceneHit,
-    SceneQuery, TrianglePair,
+    Aabb, Adjacency, Allowed, AnyPose, BodyId, BodyOptions, CheckedPair, Distance, Error, Gap,
+    Groups, NotSolid, Relation, SceneHit, SceneQuery, TrianglePair,
 };
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -68,6 +69,42 @@ impl Drop for State {
 
 /// A body as Python is told of it: its id, its model, and the rows of its pose.
 type Told = (u64, Model, [[f64; 4]; 3]);
+
+/// A body that is no solid, and the exception that says why.
+type Refused = (u64, Py<PyAny>);
+
+/// An interval, if there is one.
+type Interval = Option<(f64, f64)>;
+
+/// Two bodies as a report tells of them: their ids, and the relation, whether it is allowed, whether the surfaces meet, the volume
+/// in common, the gap, a pair of triangles, and a place.
+type Checked = (
+    (u64, u64),
+    (
+        Option<&'static str>,
+        bool,
+        bool,
+        Interval,
+        Interval,
+        Option<(u32, u32)>,
+        Option<(f64, f64, f64)>,
+    ),
+);
+
+fn told_of(found: &CheckedPair) -> Checked {
+    let [a, b] = found.bodies.map(BodyId::to_bits);
+    let interval = |interval: Option<[f64; 2]>| interval.map(|[low, high]| (low, high));
+    let rest = (
+        found.relation.map(Relation::as_str),
+        found.is_allowed,
+        found.meets,
+        interval(found.overlap_volume),
+        interval(found.gap),
+        found.pair.map(|pair| (pair.a, pair.b)),
+        found.place.map(|[x, y, z]| (x, y, z)),
+    );
+    ((a, b), rest)
+}
 
 /// Bodies in poses. One thread at a time uses it; others wait.
 #[pyclass(frozen, module = "pfront._pfront")]
@@ -189,7 +226,8 @@ impl Scene {
 
     /// Each body that has triangles: its id, its model, and the rows of its pose.
     fn bodies(&self, py: Python<'_>) -> PyResult<Vec<Told>> {
-        let told = |body: Placed| (body.id.to_bits(), Model(body.model), body.pose.to_f64().rows);
+        let told =
+            |body: Placed| (body.id.to_bits(), Model::from(body.model), body.pose.to_f64().rows);
         Ok(self.placed(py, None)?.into_iter().map(told).collect())
     }
 
@@ -234,6 +272,26 @@ impl Scene {
             Ok((other.to_bits(), distance::arrays(py, &[Some(gap)])?))
         };
         nearest.map(told).transpose()
+    }
+
+    /// The relations of all bodies whose boxes overlap, where these words are allowed, and volumes in common up to this one; and the
+    /// bodies that are no solids, and why.
+    fn check(
+        &self,
+        py: Python<'_>,
+        allow: Vec<String>,
+        allow_overlap: f64,
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<(Vec<Checked>, Vec<Refused>)> {
+        let mut allowed = Allowed { overlap_volume: allow_overlap, ..Allowed::default() };
+        for word in &allow {
+            allowed.relations.push(relation::of_word(word)?);
+        }
+        let report = self.ask_as(py, on, true, move |query| query.check(&allowed))?;
+        let why = |(id, error): &(BodyId, NotSolid)| {
+            (id.to_bits(), errors::not_solid(py, error, None).into_value(py).into_any())
+        };
+        Ok((report.pairs.iter().map(told_of).collect(), report.refused.iter().map(why).collect()))
     }
 
     /// Bodies of each pair of triangles that meets, and these.
@@ -339,10 +397,21 @@ impl Scene {
         on: &Bound<'_, Executor>,
         verb: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + Sync + 'static,
     ) -> PyResult<T> {
+        self.ask_as(py, on, false, verb)
+    }
+
+    /// The same of a question that is known to take long, or may.
+    fn ask_as<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        on: &Bound<'_, Executor>,
+        is_long: bool,
+        verb: impl Fn(&mut SceneQuery) -> Result<T, Error> + Send + Sync + 'static,
+    ) -> PyResult<T> {
         let on = on.get();
         let state = self.state.lock(py)?;
-        let (id, was_long) = ((process::id(), on.id), state.get().is_long);
-        ask(py, on, &self.cancel, was_long, move |executor| {
+        let (id, is_long) = ((process::id(), on.id), is_long || state.get().is_long);
+        ask(py, on, &self.cancel, is_long, move |executor| {
             let began = Instant::now();
             let mut state = state.get();
             state.turn_to(id, executor);

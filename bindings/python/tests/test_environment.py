@@ -36,6 +36,8 @@ def soups():
         scale = SCALES[kind]
         yield kind, [(points * scale).astype(type(scale)) for points in (FLOOR, *BLADES)]
 ARRAYS = dict(soups())
+SIDES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+CHIPS = [(np.array([[0, 0, 0], [size, 0, 0], [0, size, 0], [0, 0, size]]) * np.float32(1e-45)).astype(np.float32) for size in (3, 5)]
 TINY = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1e-45], [0, 0, 0, 1]], np.float32)
 TINY64 = TINY.astype(float)
 LOW = np.eye(4); LOW[2, 3] = 5e-324
@@ -63,6 +65,11 @@ def answers(meshes=None, threads=1):
             found += [nearest, np.array(gap.interval).view(np.uint64).tolist()]
             found.append(floor.with_vertices(arrays[1]).vertices.view(np.uint32).tolist())
         grid = (meshes or {}).get("grid") or pf.Mesh(GRID, np.arange(900).reshape(-1, 3))
+        chip, chips = (meshes or {}).get("chips") or [pf.Mesh(points, SIDES) for points in CHIPS]
+        for pose in (TINY, LOW, TINY64, np.stack([TINY64, np.eye(4)])):
+            found += [np.asarray(pf.relation(chip, chips, pose, within=1e-45)).tolist(), np.asarray(pf.overlap_volume(chip, chips, pose)).view(np.uint64).tolist()]
+        found.append(str(pf.check({"a": chip, "b": chips}, within=1e-45)))
+        found.append(str(pf.check({"a": chip, "b": chips, "c": floor}).pairs))
         found += [pf.count(grid), pf.pairs(grid, grid, THIRD).tolist(), pf.count(grid, grid, np.stack([THIRD] * 40)).tolist()]
         found.append(pf.contacts(grid, grid, THIRD).segments.view(np.uint32).sum().tolist())
         try:
@@ -82,6 +89,7 @@ setting, threads = {SETTINGS[setting]}, {threads}
 truth = answers(threads=3)
 before = {{kind: [pf.Mesh(points, FACES) for points in arrays] for kind, arrays in ARRAYS.items()}}
 before["grid"] = pf.Mesh(GRID, np.arange(900).reshape(-1, 3))
+before["chips"] = [pf.Mesh(points, SIDES) for points in CHIPS]
 set(setting)
 if setting:
     found = [answers(threads=3), answers(threads=threads), answers(before, threads)]

@@ -14,7 +14,7 @@ from conftest import ball, heap, placed, poses
 import pfront as pf
 
 pytestmark = [pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork"), pytest.mark.filterwarnings("ignore::DeprecationWarning")]
-BALL = pf.Mesh(*ball(16))
+BALL, CHIP = pf.Mesh(*ball(16)), pf.Mesh(*pf._box())
 ROUNDS = int(os.environ.get("PFRONT_ROUNDS", "20"))
 
 
@@ -45,9 +45,9 @@ def in_child(call, limit=20):
 
 MANY = poses(6)
 ASKED = {
-    "many": lambda scene: (pf.count(BALL, BALL, MANY[:2]), pf.distance(BALL, BALL, MANY[:2])),
-    "one": lambda scene: (pf.pairs(BALL, BALL, MANY[0]), pf.contacts(BALL, BALL, MANY[0].astype(float)), pf.distance(BALL, BALL, MANY[1])),
-    "scene": lambda scene: (scene.set_poses([0], MANY[1:2]), scene.count(), scene.set_poses([0], MANY[:1]), scene.intersecting_bodies(), scene.distance(0)),
+    "many": lambda scene: (pf.count(BALL, BALL, MANY[:2]), pf.distance(BALL, BALL, MANY[:2]), pf.relation(CHIP, CHIP, MANY)),
+    "one": lambda scene: (pf.pairs(BALL, BALL, MANY[0]), pf.contacts(BALL, BALL, MANY[0].astype(float)), pf.distance(BALL, BALL, MANY[1]), pf.overlap_volume(CHIP, pf._box(), MANY[1])),
+    "scene": lambda scene: (scene.set_poses([0], MANY[1:2]), scene.count(), scene.set_poses([0], MANY[:1]), scene.intersecting_bodies(), scene.distance(0), scene.check()),
     "mesh": lambda scene: pf.Mesh(*ball(8)).with_vertices(ball(8)[0] * 2).faces,
 }
 

@@ -33,6 +33,8 @@ CASES = {
     "contacts": "m = soup(2500); ask = lambda: pf.contacts(m, m); limit(250)",
     "contacts of many poses": "m = soup(1000); P = np.stack([np.eye(4)] * 10); ask = lambda: pf.contacts(m, m, P); limit(300)",
     "distances of many poses": "P = spread(1_000_000); ask = lambda: pf.distance(small, small, P); limit(150)",
+    "a solid": "m = pf.Mesh(*random(1_000_000, np.float64)); ask = lambda: pf.relation(m, m); limit(20)",
+    "solids of a scene": "m = pf.Mesh(*random(1_000_000, np.float64)); s = pf.Scene(); s.add(m); s.add(m); ask = s.check; limit(20)",
     "scene pairs": "m = soup(4000); s = pf.Scene(); s.add(m); s.add(m); ask = s.pairs; limit(250)",
     "scene contacts": "m = soup(2000); s = pf.Scene(); s.add(m); s.add(m); ask = s.contacts; limit(300)",
     "mesh": "V, F = random(2_000_000, np.float32); ask = lambda: pf.Mesh(V, F); limit(200)",

@@ -115,6 +115,29 @@ def test_distances():
     assert 6 < scene.distance(0)[1].distance < 8
 
 
+def test_relations():
+    """Of a solid with many flush faces, in each of whose pairs edges are looked at."""
+    points, quads = np.stack(np.meshgrid(*[np.arange(301)] * 2, indexing="ij"), -1).reshape(-1, 2), np.arange(300 * 301).reshape(300, 301)[:, :300].ravel()
+    corners = quads[:, None] + [0, 301, 1, 1, 301, 302]
+    sheet = np.concatenate([np.c_[points, np.zeros(len(points))], np.c_[points, np.ones(len(points))]]).astype(np.float32)
+    top, bottom = corners.reshape(-1, 3) + len(points), corners.reshape(-1, 3)[:, ::-1]
+    edge = np.concatenate([np.arange(301), np.arange(1, 301) * 301 + 300, 300 * 301 + np.arange(299, -1, -1), np.arange(299, 0, -1) * 301])
+    a, b = edge, np.roll(edge, -1)
+    sides = np.concatenate([np.stack([b, a, a + len(points)], -1), np.stack([b, a + len(points), b + len(points)], -1)])
+    mesh = pf.Mesh(sheet, np.concatenate([top, bottom, sides]))
+    scene, many = pf.Scene(), np.stack([placed(0.25, 0.25)] * 40)
+    scene.add(mesh, np.stack([placed(z=z) for z in range(12)]))
+    for name, call in [("one", lambda: pf.relation(mesh, mesh, many[0])), ("many", lambda: pf.relation(mesh, mesh, many)),
+                       ("volumes", lambda: pf.overlap_volume(mesh, mesh, many)), ("scene", scene.check)]:  # fmt: skip
+        for threads in (1, 2):
+            with pf.using(threads=threads):
+                waited = delay(call, 0.1)
+            print(f"{name}, {threads} threads: {1e3 * waited:.0f} ms")
+            assert waited < LIMIT, name
+    scene.remove(0)
+    assert len(scene) == 11
+
+
 def test_while_the_threads_are_at_work_for_others():
     """Also on what was left to itself by an interrupt."""
     mesh, scene, box = soup(7_000), pf.Scene(), pf.Mesh(*ball(8))

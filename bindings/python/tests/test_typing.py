@@ -29,8 +29,19 @@ low: float = 0.0 if gap is None else gap.interval[0]
 gaps = pf.distance(a, a, poses)
 below = [found.pair for found in gaps[gaps.distances < 1] if found is not None]
 reached = [found.distance for _, found in pf.sweep(a, a, poses, "distance", limit=1) if found]
+word: str | None = pf.relation(a, a, pose, within=0.5)
+words = pf.relation(a, a, poses) == "crossing"
+low, high = pf.overlap_volume(a, a, pose)
+volumes = pf.overlap_volume(a, a, poses)[:, 1].max()
+inside = [word == "a_in_b" for _, word in pf.sweep(a, a, poses, "relation", within=1)]
+common = [high - low for _, (low, high) in pf.sweep(a, a, poses, "overlap_volume")]
+report = pf.check({"lid": a, "jar": "jar.stl"}, ignore=[("bolt*", "nut*")], allow=["near"], allow_overlap=0.1)
+clashes = [(pair.names, pair.overlap_volume) for pair in report.pairs if not pair.allowed]
+openings = [(body, error.face, error.edge) for body, error in report.refused.items()]
 scene = pf.Scene.from_file("assembly.3mf", within=0.1)
 body: int = scene.add(a, pose, name="arm", itself=True)
+scene.ignore("bolt*", body)
+right: bool = scene.check(allow=["a_in_b", "b_in_a"]).allowed
 scene.set_poses(["arm"], poses[:1])
 neighbour = scene.distance("arm")
 nearest: int = -1 if neighbour is None else neighbour[0]
@@ -46,6 +57,11 @@ MISTAKES = {
     "a distance that may be none": "pf.distance(a, a, pose).distance",
     "a distance of a count": 'pf.sweep(a, a, poses, "count", limit=1)',
     "a body that may be none": 'scene.distance("arm")[0]',
+    "a word that is none": 'pf.relation(a, a, pose) == "inside"',
+    "a relation of one mesh": "pf.relation(a)",
+    "a word that is no relation": 'scene.check(allow=["inside"])',
+    "a distance of a volume": 'pf.overlap_volume(a, a, within=1)',
+    "a volume that may be none": "report.pairs[0].overlap_volume[1]",
     "a verb": 'pf.sweep(a, a, poses, "contact")',
     "hits taken for contacts": "scene.pairs().segments",
     "pairs taken for contacts": "hits.normals",
@@ -84,7 +100,7 @@ def test_help_and_the_readme_list_everything_that_is_public():
     listed, rows = [], re.findall(r"^      (\S+(?:, \S+)*)  ", table, re.M)
     for name in ", ".join(rows).split(", "):
         listed.append(listed[-1].partition(".")[0] + name if name.startswith(".") else name)
-    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps]
+    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps, pf.CheckReport, pf.CheckedPair]
     members = {f"{kind.__name__}.{name}" for kind in kinds for name in {*vars(kind), *vars(kind).get("__annotations__", ())}}
     assert sorted(listed) == sorted({*pf.__all__, *(name for name in members if "._" not in name)})
     indented = "\n".join(line[4:] for line in table.splitlines())

@@ -1,7 +1,7 @@
 """Every intersecting triangle pair of two meshes, or within one: exact, sorted, fast.
 
-Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide. A question is about one instant, not
-about a motion. Touching counts, and there is no tolerance, unless `within` asks for pairs at most so far apart.
+Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide; `relation` and `check` ask about solids. A
+question is about one instant, not about a motion. Touching counts, and there is no tolerance, unless `within` asks for pairs at most so far apart.
 
     Meshes
       Mesh                                                  a triangle mesh of arrays, of a file, or of trimesh, pyvista, Open3D, meshio
@@ -16,6 +16,8 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       pairs                                                 which, sorted
       contacts                                              where: a segment and two normals for each pair
       distance                                              how far apart they are: an interval, the nearest faces and points
+      relation                                              what one solid is to another, in a word: touching, crossing, inside, ...
+      overlap_volume                                        the volume that two solids have in common: an interval
       sweep                                                 any of these for many poses, one by one, on other processes too
       part, Part                                            one of n parts of a large question
     Many bodies in one world
@@ -25,6 +27,7 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       Scene.collides, .count, .pairs, .contacts             as of two meshes
       Scene.intersecting_bodies                             which bodies meet
       Scene.distance                                        which body is nearest to one, and how far
+      Scene.check, check                                    what all bodies are to each other, and whether that is allowed
       Scene.show                                            a picture
     Answers
       Contacts, Contacts.pairs, .segments, .normals, .flat  arrays with a row for each pair
@@ -35,6 +38,11 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       Gap, Gap.interval, .pair, .points, .distance          the smallest distance
       Gaps, Gaps.intervals, .pairs, .points, .distances     arrays with a row for each pose
       Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
+      CheckReport, CheckReport.pairs, .allowed, .counts     of an assembly
+      CheckReport.refused, .to_dict                         bodies that are no solids; columns, for pandas
+      CheckedPair, CheckedPair.bodies, .names, .relation    of two bodies
+      CheckedPair.allowed, .meets, .overlap_volume          whether that is allowed, and more of how they meet
+      CheckedPair.gap, .pair, .place                        how far apart they are; where they meet
     Who answers
       using                                                 threads, or a GPU, for a block
       devices                                               the GPU that there is
@@ -45,6 +53,7 @@ about a motion. Touching counts, and there is no tolerance, unless `within` asks
       compat                                                the collision manager of trimesh
     Errors
       MeshError, PoseError, BlobError                       a ValueError each, with the vertex, face, row or pose
+      NotSolid                                              a MeshError: no solid, with the edge or the faces
       StaleBody                                             a KeyError: no such body
       DeviceError                                           a RuntimeError: no such device, or one that failed
 
@@ -61,17 +70,21 @@ from __future__ import annotations
 from typing import Any
 
 from . import compat
-from ._errors import BlobError, DeviceError, MeshError, PoseError, StaleBody
+from ._check import CheckedPair, CheckReport
+from ._errors import BlobError, DeviceError, MeshError, NotSolid, PoseError, StaleBody
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
-from ._questions import Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, pairs, part, sweep
-from ._scene import Hits, Scene, SceneContacts
+from ._questions import (
+    Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, overlap_volume, pairs, part, relation, sweep,
+)  # fmt: skip
+from ._scene import Hits, Scene, SceneContacts, check
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
-    "BlobError", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "Part", "PoseError", "Ragged", "Scene",
-    "SceneContacts", "StaleBody", "bodies", "collides", "compat", "contacts", "count", "devices", "distance", "explain", "first", "load", "pairs", "part", "register", "show",
+    "BlobError", "CheckReport", "CheckedPair", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "NotSolid",
+    "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "bodies", "check", "collides", "compat", "contacts",
+    "count", "devices", "distance", "explain", "first", "load", "overlap_volume", "pairs", "part", "register", "relation", "show",
     "sweep", "using",
 ]  # fmt: skip
 

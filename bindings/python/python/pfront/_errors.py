@@ -10,6 +10,18 @@ class MeshError(ValueError):
     face: int | None = None
 
 
+class NotSolid(MeshError):
+    """A mesh that has no inside, or none that can be told.
+
+    An open edge is `edge` of `face`: 0, 1 or 2, from that corner to the next. If faces meet beyond the corners that they share,
+    `pair` are the first two that do. All three are None if the mesh has no volume. `mesh` is "a" or "b", where two were given.
+    """
+
+    edge: int | None = None
+    pair: tuple[int, int] | None = None
+    mesh: str | None = None
+
+
 class PoseError(ValueError):
     """A pose that is not finite or takes a mesh out of range; `row` is the row at fault, `pose` the index of one of many."""
 

@@ -3,16 +3,22 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-from ._questions import Progress
+from ._errors import NotSolid
+from ._questions import Progress, Relation
 
 __all__ = [
-    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "join", "read", "Scene",
+    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "join", "overlap_volume", "read", "relation", "relations", "Scene",
 ]
 
 _Array = npt.NDArray[Any]
 _Pairs = npt.NDArray[np.uint32]
 _Ids = npt.NDArray[np.int64]
 _Gaps = tuple[npt.NDArray[np.float64], _Ids, npt.NDArray[np.float64]]
+_Rest = tuple[
+    Relation | None, bool, bool, tuple[float, float] | None, tuple[float, float] | None, tuple[int, int] | None,
+    tuple[float, float, float] | None,
+]  # fmt: skip
+_Checked = tuple[tuple[int, int], _Rest]
 _Contacts = tuple[_Pairs, _Array, npt.NDArray[np.float32], npt.NDArray[np.bool_]]
 
 __version__: str
@@ -52,6 +58,7 @@ class Scene:
     def len(self) -> int: ...
     def across(self, other: Scene, may_touch: bool) -> tuple[Scene, int]: ...
     def distance(self, id: int, limit: float | None, on: Executor) -> tuple[int, _Gaps] | None: ...
+    def check(self, allow: list[str], allow_overlap: float, on: Executor) -> tuple[list[_Checked], list[tuple[int, NotSolid]]]: ...
     def pairs(self, on: Executor) -> tuple[_Ids, _Pairs]: ...
     def count(self, on: Executor) -> int: ...
     def any(self, on: Executor) -> bool: ...
@@ -79,3 +86,10 @@ def contacts(
 def distance(
     a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None, limit: float | None
 ) -> tuple[_Gaps, bool]: ...
+def relation(
+    a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None, within: float
+) -> tuple[npt.NDArray[np.uint8], bool]: ...
+def relations() -> list[str]: ...
+def overlap_volume(
+    a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None
+) -> tuple[npt.NDArray[np.float64], bool]: ...

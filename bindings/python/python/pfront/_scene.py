@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import warnings
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn, overload
 
@@ -12,13 +13,14 @@ import numpy.typing as npt
 
 from . import _pfront
 from ._arrays import Rows, array, integer, rows
+from ._check import CheckedPair, CheckReport
 from ._errors import StaleBody
 from ._mesh import Mesh, MeshLike, Path, bodies
 from ._poses import OnePose, Pose, Poses, SomePoses
-from ._questions import Contacts, Gap, Gaps
+from ._questions import Contacts, Gap, Gaps, Relation
 from ._settings import current
 
-__all__ = ["Scene", "Hits", "SceneContacts"]
+__all__ = ["Scene", "Hits", "SceneContacts", "check"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -244,6 +246,16 @@ class Scene:
             raise ValueError(f"{len(found)} bodies have the name {bodies!r}: give their ids")
         return next(iter(found))
 
+    def _matched(self, body: Any) -> list[int]:
+        """The id of a body, or those of all bodies whose names match a pattern that is no name."""
+        if not isinstance(body, str) or body in self._named or not set(body) & set("*?"):
+            return [_id(self._numbers(body))]
+        pattern = re.compile("".join({"*": ".*", "?": "."}.get(letter, re.escape(letter)) for letter in body), re.DOTALL)
+        found = [id for name, ids in self._named.items() if pattern.fullmatch(name) for id in ids]
+        if not found:
+            raise StaleBody(f"no body of the scene has a name like {body!r}")
+        return found
+
     def user_ids(self, bodies: npt.ArrayLike) -> npt.NDArray[np.int64]:
         """Look up the numbers that `add` was given for bodies; by default a body has its id.
 
@@ -292,8 +304,23 @@ class Scene:
         self._scene.set_model(_id(self._numbers(body)), _mesh(mesh))
 
     def ignore(self, a: int | str, b: int | str, ignored: bool = True) -> None:
-        """Ignore what two bodies do to each other, as links of a joint that overlap by design; or no longer."""
-        self._scene.ignore(_id(self._numbers(a)), _id(self._numbers(b)), ignored)
+        """Ignore what two bodies do to each other, as links of a joint that overlap by design; or no longer.
+
+        A pattern stands for every body whose name it matches: ``*`` is any text and ``?`` any character.
+
+        Examples
+        --------
+        >>> import pfront as pf
+        >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
+        >>> for name in ("bolt 1", "bolt 2", "plate"):
+        ...     _ = scene.add(box, name=name)
+        >>> scene.ignore("bolt*", "plate")
+        >>> scene.names(scene.intersecting_bodies())
+        [['bolt 1', 'bolt 2']]
+        """
+        for one in self._matched(a):
+            for other in self._matched(b):
+                self._scene.ignore(one, other, ignored)
 
     def __len__(self) -> int:
         return self._scene.len()
@@ -359,6 +386,54 @@ class Scene:
         gap = None if found is None else Gaps(*found[1])[0]
         return None if found is None or gap is None else (found[0], gap)
 
+    def check(self, *, allow: Iterable[Relation] = (), allow_overlap: float = 0.0) -> CheckReport:
+        """Tell what all bodies whose boxes overlap are to each other, and whether that is allowed: is this assembly right?
+
+        Bodies are solids here, as for `pfront.relation`; one that is none is told of. In a ``Scene(within=d)`` those that are apart, and at
+        most so far, are near. Two that are turned alike and flush stay flush: each pair is asked in the frame of the first.
+
+        Parameters
+        ----------
+        allow : iterable of str
+            Relations that are allowed, beside apart and touching.
+        allow_overlap : float
+            The largest volume by which bodies that cross may overlap.
+
+        Returns
+        -------
+        CheckReport
+            Its ``allowed`` is whether all is; its ``pairs`` have the relation, the volume in common or the gap, and a place.
+
+        Raises
+        ------
+        ValueError
+            If a word is no relation, or the volume is negative or NaN.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+        >>> scene = pf.Scene(within=0.5)
+        >>> for name, x in [("lid", 0), ("jar", 0.75), ("box", 1.75), ("tin", 3)]:
+        ...     pose[0, 3] = x
+        ...     _ = scene.add(box, pose, name=name)
+        >>> report = scene.check(allow=["near"])
+        >>> report, report.counts
+        (CheckReport(3 pairs, 1 not allowed), {'crossing': 1, 'touching': 1, 'near': 1})
+        >>> [clash] = [pair for pair in report.pairs if not pair.allowed]
+        >>> low, high = clash.overlap_volume
+        >>> clash.names, clash.relation, low <= 0.25 <= high
+        (('lid', 'jar'), 'crossing', True)
+        >>> scene.check(allow=["near"], allow_overlap=0.3).allowed
+        True
+        """
+        if not allow_overlap >= 0:
+            raise ValueError(f"a volume of {allow_overlap} cannot be allowed")
+        pairs, refused = self._scene.check(list(allow), allow_overlap, current())
+        name = self._names.get
+        found = [CheckedPair(bodies, (name(bodies[0]), name(bodies[1])), *rest) for bodies, rest in pairs]
+        return CheckReport(found, dict(refused))
+
     def show(self, *, off_screen: bool = False, screenshot: Any = None) -> SceneContacts:
         """Draw the bodies, those that meet in another colour, and in red where they do; as `pfront.show`."""
         from ._show import draw  # which loads no pyvista before it draws
@@ -376,6 +451,47 @@ class Scene:
     def collides(self) -> bool:
         """Whether any two bodies meet."""
         return self._scene.any(current())
+
+
+def check(
+    source: Path | Mapping[str, MeshLike], *, within: float = 0.0, ignore: Iterable[tuple[str, str]] = (),
+    allow: Iterable[Relation] = (), allow_overlap: float = 0.0,
+) -> CheckReport:  # fmt: skip
+    """Check an assembly, as ``pfront check``, the command, does: what its bodies are to each other, and whether that is allowed.
+
+    Parameters
+    ----------
+    source : path, or dict of str to Mesh
+        A file, whose bodies are asked about (see `bodies`), or bodies by their names.
+    within : float
+        Bodies that are apart, and at most so far, are near.
+    ignore : iterable of (str, str)
+        Pairs of names or patterns that are left out: see `Scene.ignore`.
+    allow, allow_overlap
+        As for `Scene.check`.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> vertices, faces = pf._box()
+    >>> parts = {"lid": (vertices, faces), "bolt 1": (vertices, faces[1:])}
+    >>> report = pf.check(parts)
+    >>> report.allowed, report.counts, str(report.refused[1])
+    (False, {'undetermined': 1}, 'edge 0 of triangle 0 is open: an odd number of triangles have it')
+    >>> pf.check(parts, ignore=[("bolt*", "*")]).pairs
+    []
+    """
+    if isinstance(source, Mapping):
+        scene = Scene(within=within)
+        for name, mesh in source.items():
+            scene.add(mesh, name=name)
+    else:
+        scene = Scene.from_file(source, within=within)
+    for two in ignore:
+        if isinstance(two, str) or len(two) != 2:
+            raise TypeError(f"{two!r} is no pair of names or patterns to ignore")
+        scene.ignore(*two)
+    return scene.check(allow=allow, allow_overlap=allow_overlap)
 
 
 def _mesh(mesh: MeshLike) -> _pfront.Model:

@@ -103,6 +103,14 @@ class Accessor:
         """As `pfront.distance`."""
         return _questions.distance(self.mesh, other, pose, limit=limit)
 
+    def relation(self, other: Any, pose: Pose = None, *, within: float = 0.0) -> Any:
+        """As `pfront.relation`."""
+        return _questions.relation(self.mesh, other, pose, within=within)
+
+    def overlap_volume(self, other: Any, pose: Pose = None) -> Any:
+        """As `pfront.overlap_volume`."""
+        return _questions.overlap_volume(self.mesh, other, pose)
+
 
 def register() -> None:
     """Give every PolyData of pyvista the attribute ``pfront``."""
