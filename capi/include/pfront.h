@@ -148,12 +148,49 @@ enum pfront_status_t
   PFRONT_DEVICE = 37,
   // The distance `what` is NaN, infinite or negative.
   PFRONT_DISTANCE = 38,
+  // The model `what` is no solid: edge `given` of triangle `index`, from that corner to the next, has an odd number of triangles.
+  PFRONT_OPEN_EDGE = 39,
+  // Triangles `index` and `given` of the model `what` meet beyond the corners that they share.
+  PFRONT_MEETS_ITSELF = 40,
+  // The model `what` is no solid: it has no volume.
+  PFRONT_NO_VOLUME = 41,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum pfront_status_t pfront_status_t;
 #else
 typedef uint32_t pfront_status_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The relation of a solid a to a solid b, by their interiors and their surfaces.
+enum pfront_relation_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // It hangs on triangles that meet their own mesh, or a body is no solid.
+  PFRONT_RELATION_UNDETERMINED = 0,
+  // No point in common.
+  PFRONT_RELATION_APART = 1,
+  // Apart, and at most the distance away that was asked for.
+  PFRONT_RELATION_NEAR = 2,
+  // The surfaces meet, the interiors do not.
+  PFRONT_RELATION_TOUCHING = 3,
+  // The interiors meet, and each solid is partly outside of the other.
+  PFRONT_RELATION_CROSSING = 4,
+  // a is inside b, and not all of b is in a. Their surfaces may meet.
+  PFRONT_RELATION_A_IN_B = 5,
+  // b is inside a, and not all of a is in b.
+  PFRONT_RELATION_B_IN_A = 6,
+  // The same solid, whatever its triangles.
+  PFRONT_RELATION_EQUAL = 7,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_relation_t pfront_relation_t;
+#else
+typedef uint32_t pfront_relation_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -544,6 +581,16 @@ typedef struct pfront_model_contact_t {
   struct pfront_contact_t contact;
 } pfront_model_contact_t;
 
+// The answer about two solids.
+typedef struct pfront_between_t {
+  // The relation of a to b.
+  pfront_relation_t relation;
+  // 1 if the surfaces meet, as those of nested solids may, else 0.
+  uint32_t meets;
+  // Triangles that show it, or on which it hangs; UINT32_MAX twice if there are none. They may differ between executors.
+  struct pfront_pair_t pair;
+} pfront_between_t;
+
 // Two triangles of different bodies that meet.
 typedef struct pfront_scene_hit_t {
   // The bodies, the one that was added first before the other.
@@ -582,6 +629,46 @@ typedef struct pfront_piece_t {
   // How many triangles it has.
   uint32_t triangle_count;
 } pfront_piece_t;
+
+// The relations of two bodies that are allowed.
+typedef struct pfront_allowed_t {
+  // The sum of `1 << relation`, a `pfront_relation_t` each. PFRONT_RELATION_UNDETERMINED never is.
+  uint32_t relations;
+  // The largest volume by which bodies that cross may overlap; 0 for none.
+  double overlap_volume;
+} pfront_allowed_t;
+
+// Two bodies whose boxes overlap. Numbers that were not asked for are NaN.
+typedef struct pfront_checked_pair_t {
+  // The bodies, that which was added first before the other.
+  uint64_t bodies[2];
+  // The relation of the first to the second.
+  pfront_relation_t relation;
+  // 1 if that is allowed, else 0.
+  uint32_t is_allowed;
+  // 1 if the surfaces meet, else 0.
+  uint32_t meets;
+  // Triangles that show it, or on which it hangs; UINT32_MAX twice if there are none.
+  struct pfront_pair_t pair;
+  // The least and the greatest that the common volume of bodies that cross can be, if neither meets itself.
+  double overlap_volume[2];
+  // The least and the greatest that the smallest distance of bodies that are near can be.
+  double gap[2];
+  // A point in the world where the triangles meet.
+  double place[3];
+} pfront_checked_pair_t;
+
+// A body that is no solid, so that what it is to others is undetermined.
+typedef struct pfront_refused_body_t {
+  // The body.
+  uint64_t body;
+  // PFRONT_OPEN_EDGE, PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME.
+  pfront_status_t status;
+  // The triangle at fault, as `index` of an error; 0 if there is no volume.
+  uint32_t triangle;
+  // Its open edge or the other triangle, as `given` of an error; 0 if there is no volume.
+  uint32_t given;
+} pfront_refused_body_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1023,6 +1110,25 @@ pfront_status_t pfront_batch_count(const struct pfront_executor_t *executor,
                                    uint64_t *counts,
                                    struct pfront_error_t *error);
 
+// Finds what one solid is to another, exactly: models whose meshes are closed. Vertices at the same place are one, and several bodies in
+// one mesh are one solid. With `pfront_model_query_within`, solids that are apart are near if they are at most so far apart. A model and
+// itself are PFRONT_NULL, and what is no solid is PFRONT_OPEN_EDGE, PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME.
+//
+// Rounding alone can make flush parts cross by a trifle: ask for the volume before calling that a clash. The query keeps
+// a model with what has to be known of it once, 36 bytes a triangle, until it is asked about another one as a solid.
+pfront_status_t pfront_model_query_relation(struct pfront_model_query_t *query,
+                                            const struct pfront_subject_t *subject,
+                                            struct pfront_between_t *between,
+                                            struct pfront_error_t *error);
+
+// Finds the volume that two solids have in common, in the units of `a`: it is at least `low` and at most `high`. All else is as for
+// `pfront_model_query_relation`, but triangles of a model that meet beyond the corners that they share are PFRONT_MEETS_ITSELF here.
+pfront_status_t pfront_model_query_overlap_volume(struct pfront_model_query_t *query,
+                                                  const struct pfront_subject_t *subject,
+                                                  double *low,
+                                                  double *high,
+                                                  struct pfront_error_t *error);
+
 // Makes a scene without bodies, which asks `executor`, or the calling thread if that is null.
 //
 // A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
@@ -1208,6 +1314,20 @@ pfront_status_t pfront_scene_split(struct pfront_scene_t *scene,
                                    size_t triangle_count,
                                    const struct pfront_piece_t **pieces,
                                    size_t *count,
+                                   struct pfront_error_t *error);
+
+// Finds the relation of every two bodies whose boxes overlap, and whether it is allowed: `count` rows in `pairs`, sorted by bodies, and the
+// bodies among them that are no solids, `refused_count` in `refused`. If `allowed` is null, bodies may be apart or touch, and overlap by
+// nothing. With `pfront_scene_within`, bodies that are apart are near if they are at most so far apart. Bodies that ignore each other are left out. CPUs
+// answer, whatever the executor. Both lists belong to the scene and are good until this is called again, or the scene is freed.
+//
+// Each pair is asked in the frame of its first body, so that parts that are flush and turned alike stay flush.
+pfront_status_t pfront_scene_check(struct pfront_scene_t *scene,
+                                   const struct pfront_allowed_t *allowed,
+                                   const struct pfront_checked_pair_t **pairs,
+                                   size_t *count,
+                                   const struct pfront_refused_body_t **refused,
+                                   size_t *refused_count,
                                    struct pfront_error_t *error);
 
 #ifdef __cplusplus

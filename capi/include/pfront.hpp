@@ -265,6 +265,18 @@ public:
     std::optional<pfront_gap_t> distance(const pfront_subject_t& subject, float limit = INFINITY) {
         return detail::found<pfront_gap_t>(pfront_model_query_distance, object_.get(), &subject, limit);
     }
+    // The relation of two solids, exactly.
+    pfront_between_t relation(const pfront_subject_t& subject) {
+        pfront_between_t between{};
+        detail::call(pfront_model_query_relation, object_.get(), &subject, &between);
+        return between;
+    }
+    // The least and the greatest that the volume can be that two solids have in common.
+    std::array<double, 2> overlap_volume(const pfront_subject_t& subject) {
+        std::array<double, 2> volume{};
+        detail::call(pfront_model_query_overlap_volume, object_.get(), &subject, &volume[0], &volume[1]);
+        return volume;
+    }
     std::uint64_t count(const pfront_subject_t& subject) {
         std::uint64_t count = 0;
         detail::call(pfront_model_query_count, object_.get(), &subject, &count);
@@ -299,6 +311,19 @@ inline std::vector<std::optional<pair>> batch_any(span<const pfront_subject_t> s
     }
     return told;
 }
+
+// The relations of bodies, sorted, and the bodies that are no solids.
+struct report {
+    span<const pfront_checked_pair_t> pairs;
+    span<const pfront_refused_body_t> refused;
+    // Whether every pair is allowed.
+    bool is_allowed() const noexcept {
+        for (const auto& two : pairs) {
+            if (!two.is_allowed) return false;
+        }
+        return true;
+    }
+};
 
 // Bodies in one world, for one thread at a time. A body is a number; lists are good until the same question is asked again.
 class scene {
@@ -376,6 +401,14 @@ public:
         std::uint64_t nearest = 0;
         const auto gap = detail::found<pfront_gap_t>(pfront_scene_distance, object_.get(), body, limit, &nearest);
         return gap ? std::make_optional(std::make_pair(nearest, *gap)) : std::nullopt;
+    }
+    // The relations of all bodies whose boxes overlap; they may be apart or touch, or what `allowed` says.
+    report check(const std::optional<pfront_allowed_t>& allowed = std::nullopt) {
+        const pfront_checked_pair_t* pairs = nullptr;
+        const pfront_refused_body_t* refused = nullptr;
+        std::size_t count = 0, refused_count = 0;
+        detail::call(pfront_scene_check, object_.get(), allowed ? &*allowed : nullptr, &pairs, &count, &refused, &refused_count);
+        return {span<const pfront_checked_pair_t>(pairs, count), span<const pfront_refused_body_t>(refused, refused_count)};
     }
     span<const std::uint64_t> bodies_in(const std::array<float, 3>& min, const std::array<float, 3>& max) {
         return detail::list<std::uint64_t>(pfront_scene_bodies_in, object_.get(), min.data(), max.data());

@@ -36,6 +36,8 @@ mod one_ring;
 mod pose;
 mod query;
 #[cfg(feature = "std")]
+mod relation;
+#[cfg(feature = "std")]
 mod scene;
 mod status;
 #[cfg(feature = "std")]
@@ -60,6 +62,8 @@ pub use model::*;
 pub use one_ring::*;
 pub use pose::*;
 pub use query::*;
+#[cfg(feature = "std")]
+pub use relation::*;
 #[cfg(feature = "std")]
 pub use scene::*;
 pub use status::*;

@@ -5,6 +5,7 @@
 //! which is why it needs the standard library.
 
 mod bodies;
+mod check;
 mod hits;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
@@ -14,6 +15,7 @@ use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::status::Fault;
 pub use bodies::*;
+pub use check::*;
 use core::ffi::c_void;
 use core::ptr::null;
 pub use hits::*;
@@ -32,6 +34,8 @@ pub(crate) struct Scene {
     body_pairs: Vec<[u64; 2]>,
     bodies: Vec<u64>,
     pieces: Vec<pfront_piece_t>,
+    checked: Vec<pfront_checked_pair_t>,
+    refused: Vec<pfront_refused_body_t>,
     hits: Vec<pfront_scene_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
@@ -77,6 +81,8 @@ fn pfront_scene_create(
         body_pairs: Vec::new(),
         bodies: Vec::new(),
         pieces: Vec::new(),
+        checked: Vec::new(),
+        refused: Vec::new(),
         positions: Vec::new(),
     })?);
     Ok(())

@@ -93,6 +93,12 @@ pub enum pfront_status_t {
     PFRONT_DEVICE = 37,
     /// The distance `what` is NaN, infinite or negative.
     PFRONT_DISTANCE = 38,
+    /// The model `what` is no solid: edge `given` of triangle `index`, from that corner to the next, has an odd number of triangles.
+    PFRONT_OPEN_EDGE = 39,
+    /// Triangles `index` and `given` of the model `what` meet beyond the corners that they share.
+    PFRONT_MEETS_ITSELF = 40,
+    /// The model `what` is no solid: it has no volume.
+    PFRONT_NO_VOLUME = 41,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -115,7 +121,7 @@ pub struct pfront_error_t {
 /// The meaning of an error code, in a sentence without numbers. Takes any number; the string lives for ever.
 #[entry]
 fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 39] = [
+    const TEXTS: [&CStr; 42] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -155,6 +161,9 @@ fn pfront_error_text(status: u32) -> *const c_char {
         c"there is no GPU, or the library was built without",
         c"the GPU failed",
         c"a distance is NaN, infinite or negative",
+        c"an edge is open: a mesh is no solid",
+        c"triangles meet their own mesh",
+        c"a mesh has no volume",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

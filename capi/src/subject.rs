@@ -5,6 +5,7 @@ use crate::memory::{Call, Done, Handle};
 use crate::model::pfront_model_t;
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
+use crate::relation::Solids;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
@@ -32,7 +33,7 @@ pub struct pfront_subject_t {
 }
 
 /// A subject whose models are held.
-enum Subject {
+pub(crate) enum Subject {
     Pair(Arc<Model>, Arc<Model>, AnyPose),
     Itself(Arc<Model>, Adjacency),
 }
@@ -60,7 +61,7 @@ impl Subject {
 }
 
 /// The names of the poses of a subject in errors.
-fn fault(error: Error) -> Fault {
+pub(crate) fn fault(error: Error) -> Fault {
     match error {
         Error::Pose(error) => Fault::pose(c"a_from_b")(error),
         other => other.into(),
@@ -74,8 +75,9 @@ pub struct pfront_model_query_t(());
 /// The queries of an executor, one for each kind of subject, so that each remembers its own.
 pub(crate) struct ModelQuery {
     own: OwnExecutor,
-    pair: PairQuery,
+    pub(crate) pair: PairQuery,
     within: [SelfQuery; 2],
+    pub(crate) solids: Solids,
     /// The answers that were handed out last.
     pairs: Vec<pfront_pair_t>,
     contacts: Vec<pfront_model_contact_t>,
@@ -137,6 +139,7 @@ fn pfront_model_query_create(
         own,
         pair,
         within,
+        solids: Solids::default(),
         pairs: Vec::new(),
         contacts: Vec::new(),
     })?);
@@ -170,7 +173,7 @@ fn pfront_model_query_within(
 }
 
 /// A query in the process that it belongs to, and what it is asked about.
-fn asked<'c>(
+pub(crate) fn asked<'c>(
     call: &mut Call<'c>,
     query: *mut pfront_model_query_t,
     subject: *const pfront_subject_t,

@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 20] = [
+const MODULES: [&str; 22] = [
     "status",
     "pose",
     "mesh",
@@ -21,9 +21,11 @@ const MODULES: [&str; 20] = [
     "model",
     "executor",
     "subject",
+    "relation",
     "scene",
     "scene/hits",
     "scene/bodies",
+    "scene/check",
 ];
 
 #[test]
@@ -122,7 +124,7 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = fs::read_to_string(folder.join("include/pfront.h")).unwrap();
     let has = |function: &str| header.contains(&format!("{function}("));
-    for file in ["scene/mod.rs", "scene/edit.rs", "scene/nearest.rs"] {
+    for file in ["scene/mod.rs", "scene/edit.rs", "scene/nearest.rs", "scene/check.rs"] {
         let source = fs::read_to_string(folder.join("../src").join(file)).unwrap();
         for verb in methods(&source) {
             let other = BY_ANOTHER_NAME.iter().find(|(name, _)| *name == verb);
@@ -134,8 +136,10 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     // These have no counterpart: C takes a mesh in its own memory step by step, and forgets by a new query.
     let elsewhere =
         ["new", "on", "visit", "report", "forget", "plan", "contacts_f64", "distance_below"];
-    let pair = fs::read_to_string(folder.join("../src/pair.rs")).unwrap();
-    for verb in methods(&pair).filter(|verb| !elsewhere.contains(verb)) {
-        assert!(has(&format!("pfront_model_query_{verb}")), "PairQuery::{verb} is not in C");
+    for file in ["pair.rs", "relation.rs"] {
+        let pair = fs::read_to_string(folder.join("../src").join(file)).unwrap();
+        for verb in methods(&pair).filter(|verb| !elsewhere.contains(verb)) {
+            assert!(has(&format!("pfront_model_query_{verb}")), "PairQuery::{verb} is not in C");
+        }
     }
 }

@@ -307,12 +307,139 @@ static void forked(void)
     OK(pfront_scene_free(scene, &error));
 }
 
+// Two cubes of two triangles a side, the second half as large; a cube without its last triangle, one without any, and two in one mesh
+// that cross.
+static void solids(void)
+{
+    static float big[24], small[24], both[48];
+    static uint32_t twice[72];
+    static const uint32_t sides[36] = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
+                                       2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+    const pfront_buffers_t buffers[5] = {{big, 8, 12, sides, 12, PFRONT_INDEX_U32},
+                                         {small, 8, 12, sides, 12, PFRONT_INDEX_U32},
+                                         {big, 8, 12, sides, 11, PFRONT_INDEX_U32},
+                                         {big, 8, 12, sides, 0, PFRONT_INDEX_U32},
+                                         {both, 16, 12, twice, 24, PFRONT_INDEX_U32}};
+    static const struct {
+        float x;
+        pfront_relation_t same, smaller;
+        double volume;
+    } places[] = {{0, PFRONT_RELATION_EQUAL, PFRONT_RELATION_B_IN_A, 1},
+                  {0.75f, PFRONT_RELATION_CROSSING, PFRONT_RELATION_CROSSING, 0.25},
+                  {1, PFRONT_RELATION_TOUCHING, PFRONT_RELATION_TOUCHING, 0},
+                  {1.125f, PFRONT_RELATION_NEAR, PFRONT_RELATION_NEAR, 0},
+                  {3, PFRONT_RELATION_APART, PFRONT_RELATION_APART, 0}};
+    pfront_model_t *models[5];
+    pfront_model_query_t *query;
+    pfront_between_t between;
+    double low = -1, high = -1;
+    for (unsigned i = 0; i < 24; i++) {
+        big[i] = (float)(i / 3 >> (2 - i % 3) & 1);
+        small[i] = big[i] / 2;
+        both[i] = big[i];
+        both[24 + i] = big[i] + 0.5f / (float)(1 + i % 3);
+    }
+    for (unsigned i = 0; i < 72; i++) {
+        twice[i] = sides[i % 36] + 8 * (i / 36);
+    }
+    for (unsigned i = 0; i < 5; i++) {
+        OK(pfront_model_create(&buffers[i], &models[i], &error));
+    }
+    OK(pfront_model_query_create(executor, &query, &error));
+    OK(pfront_model_query_within(query, 0.25f, &error));
+    for (unsigned i = 0; i < sizeof places / sizeof *places; i++) {
+        const pfront_pose_t pose = at(places[i].x);
+        const pfront_pose64_t pose64 = {{{1, 0, 0, places[i].x}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+        const pfront_subject_t same = {models[0], models[0], &pose, NULL, 0}, smaller = {models[0], models[1], &pose, NULL, 0};
+        const pfront_subject_t in_f64 = {models[0], models[0], NULL, &pose64, 0}, larger = {models[1], models[0], &still, NULL, 0};
+        OK(pfront_model_query_relation(query, &same, &between, &error));
+        THAT(between.relation == places[i].same && between.meets == (places[i].x <= 1));
+        THAT((between.pair.a < 12 && between.pair.b < 12) || (between.pair.a == UINT32_MAX && between.relation == PFRONT_RELATION_APART));
+        OK(pfront_model_query_relation(query, &smaller, &between, &error));
+        THAT(between.relation == places[i].smaller);
+        OK(pfront_model_query_relation(query, &in_f64, &between, &error));
+        THAT(between.relation == places[i].same);
+        OK(pfront_model_query_relation(query, &larger, &between, &error));
+        THAT(between.relation == PFRONT_RELATION_A_IN_B);
+        OK(pfront_model_query_overlap_volume(query, &same, &low, &high, &error));
+        THAT(low <= places[i].volume && places[i].volume <= high && high - low < 1e-12);
+    }
+    // Refused as no solids, by their names, and at the triangle.
+    const pfront_subject_t first = {models[2], models[0], &still, NULL, 0}, second = {models[0], models[2], &still, NULL, 0};
+    const pfront_subject_t none = {models[0], models[3], &still, NULL, 0}, itself = {models[0], NULL, NULL, NULL, 0};
+    const pfront_subject_t fine = {models[0], models[1], &still, NULL, 0}, crossing = {models[0], models[4], &still, NULL, 0};
+    EXPECT(PFRONT_OPEN_EDGE, "a", pfront_model_query_relation(query, &first, &between, &error));
+    EXPECT(PFRONT_OPEN_EDGE, "b", pfront_model_query_overlap_volume(query, &second, &low, &high, &error));
+    THAT(error.index < 11 && error.given < 3);
+    EXPECT(PFRONT_NO_VOLUME, "b", pfront_model_query_relation(query, &none, &between, &error));
+    EXPECT(PFRONT_MEETS_ITSELF, "b", pfront_model_query_overlap_volume(query, &crossing, &low, &high, &error));
+    THAT(error.index < 12 && 12 <= error.given && error.given < 24);
+    EXPECT(PFRONT_NULL, "b", pfront_model_query_relation(query, &itself, &between, &error));
+    EXPECT(PFRONT_NULL, "b", pfront_model_query_overlap_volume(query, &itself, &low, &high, &error));
+    EXPECT(PFRONT_NULL, "between", pfront_model_query_relation(query, &fine, NULL, &error));
+    EXPECT(PFRONT_NULL, "high", pfront_model_query_overlap_volume(query, &fine, &low, NULL, &error));
+    EXPECT(PFRONT_OVERLAP, "high", pfront_model_query_overlap_volume(query, &fine, &low, &low, &error));
+    // The query has the models that it was last asked about, and the rest is undetermined.
+    OK(pfront_model_query_relation(query, &crossing, &between, &error));
+    THAT(between.relation == PFRONT_RELATION_UNDETERMINED && between.meets == 1);
+    OK(pfront_model_query_free(query, &error));
+
+    pfront_scene_t *scene;
+    const pfront_checked_pair_t *pairs;
+    const pfront_refused_body_t *refused;
+    size_t count = 9, refused_count = 9;
+    uint64_t body[5];
+    const float beside[5] = {0, 0.75f, 1.75f, 2.875f, 3.5f};
+    OK(pfront_scene_create(executor, &scene, &error));
+    OK(pfront_scene_within(scene, 0.25f, &error));
+    for (unsigned i = 0; i < 5; i++) {
+        const pfront_pose_t pose = at(beside[i]);
+        OK(pfront_scene_add(scene, models[i < 4 ? 0 : 2], &pose, &body[i], &error));
+    }
+    OK(pfront_scene_check(scene, NULL, &pairs, &count, &refused, &refused_count, &error));
+    THAT(count == 4 && refused_count == 1 && refused[0].body == body[4]);
+    THAT(refused[0].status == PFRONT_OPEN_EDGE && refused[0].triangle < 11 && refused[0].given < 3);
+    for (unsigned i = 0; i < 4 && count == 4; i++) {
+        static const pfront_relation_t words[] = {PFRONT_RELATION_CROSSING, PFRONT_RELATION_TOUCHING, PFRONT_RELATION_NEAR,
+                                                  PFRONT_RELATION_UNDETERMINED};
+        THAT(pairs[i].bodies[0] == body[i] && pairs[i].bodies[1] == body[i + 1] && pairs[i].relation == words[i]);
+        THAT(pairs[i].is_allowed == (i == 1) && (i >= 2 || pairs[i].meets == 1) && pairs[i].pair.a < 12);
+        THAT((i == 0) != (pairs[i].overlap_volume[0] != pairs[i].overlap_volume[0]));
+        THAT((i == 2) != (pairs[i].gap[0] != pairs[i].gap[0]));
+        THAT(i >= 2 || (0.75f <= pairs[i].place[0] && pairs[i].place[0] <= 1.75f));
+    }
+    THAT(pairs[0].overlap_volume[0] <= 0.25 && 0.25 <= pairs[0].overlap_volume[1] && pairs[0].overlap_volume[1] < 0.2500001);
+    THAT(pairs[2].gap[0] <= 0.125 && 0.125 <= pairs[2].gap[1] && pairs[2].gap[1] < 0.1250001);
+    // All that is meant is allowed, and what is not there is nothing.
+    pfront_allowed_t allowed = {1u << PFRONT_RELATION_NEAR | 1u << PFRONT_RELATION_TOUCHING, 0.2500001};
+    OK(pfront_scene_ignore(scene, body[3], body[4], 1, &error));
+    OK(pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));
+    THAT(count == 3 && refused_count == 0 && pairs[0].is_allowed && pairs[1].is_allowed && pairs[2].is_allowed);
+    allowed.relations = 1u << PFRONT_RELATION_NEAR;
+    allowed.overlap_volume = 0.2;
+    OK(pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));
+    THAT(count == 3 && !pairs[0].is_allowed && !pairs[1].is_allowed && pairs[2].is_allowed);
+    allowed.overlap_volume = NAN;
+    EXPECT(PFRONT_OUT_OF_RANGE, "overlap_volume", pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));
+    allowed.relations = 1;
+    EXPECT(PFRONT_OUT_OF_RANGE, "relations", pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));
+    EXPECT(PFRONT_NULL, "pairs", pfront_scene_check(scene, NULL, NULL, &count, &refused, &refused_count, &error));
+    EXPECT(PFRONT_NULL, "refused_count", pfront_scene_check(scene, NULL, &pairs, &count, &refused, NULL, &error));
+    EXPECT(PFRONT_OVERLAP, "refused_count", pfront_scene_check(scene, NULL, &pairs, &count, &refused, &count, &error));
+    EXPECT(PFRONT_NULL, "scene", pfront_scene_check(NULL, NULL, &pairs, &count, &refused, &refused_count, &error));
+    OK(pfront_scene_free(scene, &error));
+    for (unsigned i = 0; i < 5; i++) {
+        OK(pfront_model_free(models[i], &error));
+    }
+}
+
 int main(void)
 {
     executors();
     models();
     subjects();
     bodies();
+    solids();
     forked();
     OK(pfront_executor_free(executor, &error));
     OK(pfront_model_free(model, &error));

@@ -46,6 +46,32 @@ static void models(const pfront::buffers& floor, const pfront::buffers& blade) {
     EXPECT(std::memcmp(&there, &near, sizeof there) == 0);
 }
 
+static void solids() {
+    const rows points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const std::uint16_t sides[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const pfront::model solid(pfront::mesh(points, sides));
+    pfront::query query;
+    const pfront::pose still = moved(0), half = moved(0.5F), beside = moved(1);
+    EXPECT(query.relation(pfront::subject(solid, solid, still)).relation == PFRONT_RELATION_EQUAL);
+    EXPECT(query.relation(pfront::subject(solid, solid, half)).relation == PFRONT_RELATION_CROSSING);
+    const auto [low, high] = query.overlap_volume(pfront::subject(solid, solid, half));
+    EXPECT(low <= 1.0 / 48 && 1.0 / 48 <= high);
+    pfront::scene scene;
+    scene.add(solid);
+    const auto other = scene.add(solid, beside);
+    EXPECT(scene.check().is_allowed() && scene.check().pairs[0].relation == PFRONT_RELATION_TOUCHING && scene.check().refused.empty());
+    scene.set_pose(other, half);
+    EXPECT(!scene.check().is_allowed() && scene.check(pfront_allowed_t{0, 0.1}).is_allowed());
+    const std::uint16_t open[] = {0, 2, 1};
+    const pfront::model sheet(pfront::mesh(points, open));
+    try {
+        query.relation(pfront::subject(solid, sheet, still));
+        EXPECT(false);
+    } catch (const pfront::error& error) {
+        EXPECT(error.detail.status == PFRONT_OPEN_EDGE && std::strcmp(error.detail.what, "b") == 0);
+    }
+}
+
 static void scenes(const pfront::buffers& floor, const pfront::buffers& blade) {
     const pfront::executor on(PFRONT_CPU);
     pfront::scene scene(on);
@@ -99,6 +125,7 @@ int main() {
     const std::vector<std::array<std::uint32_t, 3>> wide = {{0, 1, 2}};
     const auto floor = pfront::mesh(points, corners), blade = pfront::mesh(others, wide);
     models(floor, blade);
+    solids();
     scenes(floor, blade);
     const double doubles[] = {0, 0, 0, 4, 0, 0, 0, 4, 1e-300};
     EXPECT(pfront::query().count(pfront::subject(pfront::model::from_f64(pfront::mesh(doubles, wide)))) == 0);

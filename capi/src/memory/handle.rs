@@ -84,7 +84,18 @@ impl<'c> Call<'c> {
         first: *mut *const T,
         count: *mut usize,
     ) -> Result<OutArray<T>, Fault> {
-        Ok(OutArray { first: self.out(what, first)?, count: self.out(c"count", count)? })
+        self.out_list(what, first, c"count", count)
+    }
+
+    /// The same where the number has a name of its own.
+    pub(crate) fn out_list<T>(
+        &mut self,
+        what: &'static CStr,
+        first: *mut *const T,
+        number: &'static CStr,
+        count: *mut usize,
+    ) -> Result<OutArray<T>, Fault> {
+        Ok(OutArray { first: self.out(what, first)?, count: self.out(number, count)? })
     }
 
     /// A structure for C, which frees it by [`Call::free`].

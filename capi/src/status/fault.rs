@@ -20,6 +20,12 @@ impl Fault {
         Self { what: what.as_ptr(), ..Self::new(status) }
     }
 
+    /// The same about a model that C calls `what`, if it is one that is no solid.
+    #[cfg(feature = "std")]
+    pub(crate) fn named(self, what: &'static CStr) -> Self {
+        if self.what.is_null() { Self { what: what.as_ptr(), ..self } } else { self }
+    }
+
     pub(crate) fn at(self, index: usize) -> Self {
         Self { index, ..self }
     }
@@ -149,6 +155,24 @@ impl From<BlobError> for Fault {
 }
 
 #[cfg(feature = "std")]
+impl From<pfront::NotSolid> for Fault {
+    fn from(error: pfront::NotSolid) -> Self {
+        use pfront::NotSolid;
+        match error {
+            NotSolid::OpenEdge { triangle, edge } => {
+                Self::new(PFRONT_OPEN_EDGE).at(triangle as usize).numbers(0, edge as usize)
+            }
+            NotSolid::MeetsItself { pair } => {
+                Self::new(PFRONT_MEETS_ITSELF).at(pair.a as usize).numbers(0, pair.b as usize)
+            }
+            NotSolid::NoVolume => Self::new(PFRONT_NO_VOLUME),
+            NotSolid::Capacity(error) => error.into(),
+            _ => Self::new(PFRONT_DAMAGED),
+        }
+    }
+}
+
+#[cfg(feature = "std")]
 impl From<pfront::Error> for Fault {
     fn from(error: pfront::Error) -> Self {
         use pfront::Error;
@@ -160,6 +184,7 @@ impl From<pfront::Error> for Fault {
             Error::Memory { needed } => {
                 Self::of(PFRONT_OUT_OF_MEMORY, c"malloc").numbers(needed, 0)
             }
+            Error::Solid(error) => error.into(),
             Error::Distance(_) => Self::of(PFRONT_DISTANCE, c"distance"),
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
