@@ -2,8 +2,10 @@
 
 use crate::buffers::{NAMES, pfront_buffers_t};
 use crate::memory::{Call, Done, Handle};
-use core::ffi::c_void;
-use pfront::Model;
+use crate::status::Fault;
+use crate::status::pfront_status_t::PFRONT_DAMAGED;
+use core::ffi::{CStr, c_void};
+use pfront::{Model, Solid};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -64,4 +66,28 @@ fn pfront_model_from_blob(
 #[entry]
 fn pfront_model_free(call: &mut Call<'_>, model: *mut pfront_model_t) -> Done {
     call.free(c"model", model)
+}
+
+/// The names of two models.
+pub(crate) const MODEL_NAMES: [&CStr; 2] = [c"a", c"b"];
+
+/// The models that a query was last asked about as solids, with what has to be known of them once.
+#[derive(Default)]
+pub(crate) struct Solids([Option<Solid>; 2]);
+
+impl Solids {
+    /// The solids of two models, made anew unless they are those of the last question.
+    pub(crate) fn of(&mut self, models: [&Arc<Model>; 2]) -> Result<[&Solid; 2], Fault> {
+        for ((kept, model), name) in self.0.iter_mut().zip(models).zip(MODEL_NAMES) {
+            if !kept.as_ref().is_some_and(|solid| Arc::ptr_eq(solid.model(), model)) {
+                let solid =
+                    Solid::new(model.clone()).map_err(|error| Fault::from(error).named(name))?;
+                *kept = Some(solid);
+            }
+        }
+        match &self.0 {
+            [Some(a), Some(b)] => Ok([a, b]),
+            _ => Err(Fault::new(PFRONT_DAMAGED)),
+        }
+    }
 }

@@ -1,13 +1,13 @@
 //! Relations of solids, and by how much they overlap.
 
 use crate::memory::{Call, Done};
+use crate::model::MODEL_NAMES;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::subject::{ModelQuery, Subject, asked, fault, pfront_model_query_t, pfront_subject_t};
 use crate::verbs::pfront_pair_t;
-use pfront::{AnyPose, Between, Model, NotSolid, Relation, Solid, TrianglePair};
+use pfront::{AnyPose, Between, Model, NotSolid, Relation, TrianglePair};
 use pfront_capi_entry::entry;
-use std::ffi::CStr;
 use std::sync::Arc;
 
 /// The relation of a solid a to a solid b, by their interiors and their surfaces.
@@ -75,34 +75,11 @@ impl From<Between> for pfront_between_t {
     }
 }
 
-/// The names of the models of a subject.
-const NAMES: [&CStr; 2] = [c"a", c"b"];
-
-/// The models that a query was last asked about as solids, with what has to be known of them once.
-#[derive(Default)]
-pub(crate) struct Solids([Option<Solid>; 2]);
-
-impl Solids {
-    /// The solids of two models, made anew unless they are those of the last question.
-    fn of(&mut self, models: [&Arc<Model>; 2]) -> Result<[&Solid; 2], Fault> {
-        for ((kept, model), name) in self.0.iter_mut().zip(models).zip(NAMES) {
-            if !kept.as_ref().is_some_and(|solid| Arc::ptr_eq(solid.model(), model)) {
-                let solid = Solid::new(model.clone()).map_err(|error| fault(error).named(name))?;
-                *kept = Some(solid);
-            }
-        }
-        match &self.0 {
-            [Some(a), Some(b)] => Ok([a, b]),
-            _ => Err(Fault::of(PFRONT_NULL, NAMES[1])),
-        }
-    }
-}
-
 /// The two models of a subject, and the pose of the second.
 fn pair(subject: &Subject) -> Result<([&Arc<Model>; 2], AnyPose), Fault> {
     match subject {
         Subject::Pair(a, b, pose) => Ok(([a, b], *pose)),
-        Subject::Itself(..) => Err(Fault::of(PFRONT_NULL, NAMES[1])),
+        Subject::Itself(..) => Err(Fault::of(PFRONT_NULL, MODEL_NAMES[1])),
     }
 }
 
@@ -141,7 +118,7 @@ fn pfront_model_query_overlap_volume(
     let (ModelQuery { pair: query, solids, .. }, subject) = asked(call, query, subject)?;
     let (models, pose) = pair(&subject)?;
     let both = solids.of(models)?;
-    for (solid, name) in both.iter().zip(NAMES) {
+    for (solid, name) in both.iter().zip(MODEL_NAMES) {
         if let Some(pair) = solid.marked_pair() {
             return Err(Fault::from(NotSolid::MeetsItself { pair }).named(name));
         }

@@ -2,10 +2,9 @@
 
 use crate::executor::{OwnExecutor, pfront_executor_t};
 use crate::memory::{Call, Done, Handle};
-use crate::model::pfront_model_t;
+use crate::model::{Solids, pfront_model_t};
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
-use crate::relation::Solids;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::verbs::{pfront_contact_t, pfront_pair_t};
