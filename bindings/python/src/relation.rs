@@ -61,11 +61,11 @@ pub fn relation(
     progress: Option<Bound<'_, PyAny>>,
     within: Within,
 ) -> PyResult<(Py<PyAny>, bool)> {
-    let question = Question { solids: solids(py, [a, b])?, within };
+    let two = Two { solids: solids(py, [a, b])?, within };
     let ask = |query: &mut PairQuery, [a, b]: [&Solid; 2], pose| {
         Ok(code(query.relation(a, b, pose)?.relation))
     };
-    let (codes, is_one) = question.ask(py, pose, on, progress, ask)?;
+    let (codes, is_one) = two.ask(py, pose, on, progress, ask)?;
     Ok((list(py, codes), is_one))
 }
 
@@ -79,14 +79,14 @@ pub fn overlap_volume(
     on: &Executor,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Py<PyAny>, bool)> {
-    let question = Question { solids: solids(py, [a, b])?, within: Within::default() };
-    for (solid, name) in question.solids.iter().zip(NAMES) {
+    let two = Two { solids: solids(py, [a, b])?, within: Within::default() };
+    for (solid, name) in two.solids.iter().zip(NAMES) {
         if let Some(pair) = solid.marked_pair() {
             return Err(not_solid(py, &NotSolid::MeetsItself { pair }, Some(name)));
         }
     }
     let ask = |query: &mut PairQuery, [a, b]: [&Solid; 2], pose| query.overlap_volume(a, b, pose);
-    let (volumes, is_one) = question.ask(py, pose, on, progress, ask)?;
+    let (volumes, is_one) = two.ask(py, pose, on, progress, ask)?;
     let rows = volumes.len();
     Ok((table(py, volumes.into_flattened(), rows, 2)?, is_one))
 }
@@ -99,13 +99,13 @@ fn solids(py: Python<'_>, [a, b]: [&Model; 2]) -> PyResult<[Arc<Solid>; 2]> {
 }
 
 /// Two solids, and how far apart they are near.
-struct Question {
+struct Two {
     solids: [Arc<Solid>; 2],
     within: Within,
 }
 
-impl Question {
-    /// Asks in each pose, of which several threads take some each, if there are several.
+impl Two {
+    /// Asks in each pose, of which several threads take some each, if there are several; and tells whether one pose was given.
     fn ask<T: Send + 'static>(
         self,
         py: Python<'_>,
@@ -119,53 +119,55 @@ impl Question {
         + 'static,
     ) -> PyResult<(Vec<T>, bool)> {
         let Self { solids, within: Within(within) } = self;
-        let triangles = solids.each_ref().map(|solid| solid.model().mesh().triangles().len());
-        let cancel = Arc::<AtomicBool>::default();
-        let poses = match Poses::new(py, pose.as_ref())? {
-            Poses::Many(poses) => poses,
-            Poses::One(pose) => {
-                let is_long = triangles[0].saturating_add(triangles[1]) >= MANY;
-                let (told, plan) = answer(py, on, &cancel, is_long, move |executor| {
-                    let mut query = PairQuery::new().within(within.get())?.on(executor);
-                    let told = ask(&mut query, [&solids[0], &solids[1]], pose)?;
-                    Ok((told, query.plan().cloned()))
-                })?;
-                on.note(plan.as_ref());
-                return Ok((vec![told], true));
-            }
+        let (poses, is_one) = match Poses::new(py, pose.as_ref())? {
+            Poses::One(pose) => (vec![pose], true),
+            Poses::Many(poses) => (poses, false),
         };
-        let mut all = Vec::new();
+        let [a, b] = solids.each_ref().map(|solid| solid.model().mesh().triangles().len());
+        let is_long = !is_one || a.saturating_add(b) >= MANY;
+        let cancel = Arc::<AtomicBool>::default();
+        let (mut all, mut plan) = (Vec::new(), None);
         memory::reserve(&mut all, poses.len()).map_err(|error| exception(py, error, None))?;
-        for (chunk, first) in poses.chunks(CHUNK).zip((0..).step_by(CHUNK)) {
-            let (solids, chunk, flag) = (solids.clone(), chunk.to_vec(), cancel.clone());
-            let pool = on.made(py).pool;
-            let (told, _) = answer(py, on, &cancel, true, move |_| {
-                let own = pfront::Executor::sequential().with_cancel(flag.clone());
-                let start = || PairQuery::new().within(within.get()).map(|query| query.on(&own));
+        for chunk in poses.chunks(CHUNK) {
+            let (solids, chunk) = (solids.clone(), chunk.to_vec());
+            let alone = pfront::Executor::sequential().with_cancel(cancel.clone());
+            let pool = on.made(py).pool.filter(|_| !is_one);
+            let told;
+            (told, plan) = answer(py, on, &cancel, is_long, move |executor| {
+                let own = if is_one { executor } else { &alone };
+                let start = || PairQuery::new().within(within.get()).map(|query| query.on(own));
                 let ask = |query: &mut Result<PairQuery, Error>, pose: &AnyPose| match query {
                     Ok(query) => ask(query, [&solids[0], &solids[1]], *pose),
                     Err(error) => Err(error.clone()),
                 };
-                let told: Vec<_> = match &pool {
-                    Some(pool) => pool.install(|| chunk.par_iter().map_init(start, ask).collect()),
+                let (told, plan): (Vec<_>, _) = match &pool {
+                    Some(pool) => {
+                        let told = pool.install(|| chunk.par_iter().map_init(start, ask).collect());
+                        (told, None)
+                    }
                     None => {
                         let mut query = start();
-                        chunk.iter().map(|pose| ask(&mut query, pose)).collect()
+                        let told = chunk.iter().map(|pose| ask(&mut query, pose)).collect();
+                        (told, query?.plan().cloned())
                     }
                 };
                 let is_cancelled = |told: &Result<T, Error>| matches!(told, Err(Error::Cancelled));
-                if told.iter().any(is_cancelled) { Err(Error::Cancelled) } else { Ok((told, None)) }
+                if told.iter().any(is_cancelled) { Err(Error::Cancelled) } else { Ok((told, plan)) }
             })?;
-            for (told, i) in told.into_iter().zip(first..) {
-                all.push(told.map_err(|error| exception(py, error, Some(i)))?);
+            for told in told {
+                let pose = (!is_one).then_some(all.len());
+                all.push(told.map_err(|error| exception(py, error, pose))?);
             }
-            if let Some(progress) = &progress {
+            if let Some(progress) = progress.as_ref().filter(|_| !is_one) {
                 let _inside = Inside::enter();
                 progress.call1((all.len(), poses.len()))?;
             }
         }
-        let are_several = poses.len() > 1 && on.made(py).pool.is_some();
-        on.note_backend(if are_several { Backend::Threads } else { Backend::Sequential });
-        Ok((all, false))
+        if poses.len() > 1 && on.made(py).pool.is_some() {
+            on.note_backend(Backend::Threads);
+        } else {
+            on.note(plan.as_ref());
+        }
+        Ok((all, is_one))
     }
 }
