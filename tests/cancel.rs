@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use pfront::{Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
+use pfront::{Allowed, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::scenes::icosphere;
 use std::sync::Arc;
@@ -75,6 +75,22 @@ fn a_cancelled_query_returns_soon_and_the_next_one_is_complete() {
         assert_eq!(own.count(&model), SelfQuery::new().count(&model));
         assert_eq!(scene.count(), Ok(count));
         assert_eq!(scene.intersecting_bodies(), Ok(vec![ids]));
+    }
+}
+
+#[test]
+fn a_check_of_a_scene_hears_the_flag() {
+    let ball = icosphere(80);
+    let ball = Arc::new(Model::new(ball.positions, ball.triangles).unwrap());
+    for executor in executors() {
+        let flag = Arc::new(AtomicBool::new(true));
+        let mut scene = SceneQuery::new().on(&executor.with_cancel(flag.clone()));
+        for x in [0.0, 0.5] {
+            scene.add(ball.clone(), Pose::from_translation([x, 0.0, 0.0])).unwrap();
+        }
+        assert_eq!(scene.check(&Allowed::default()), Err(Error::Cancelled));
+        flag.store(false, Relaxed);
+        assert_eq!(scene.check(&Allowed::default()).unwrap().pairs.len(), 1);
     }
 }
 
