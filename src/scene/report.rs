@@ -44,7 +44,7 @@ pub struct CheckedPair {
 pub struct CheckReport {
     /// Bodies that are no solids, and why.
     pub refused: Vec<(BodyId, NotSolid)>,
-    /// All pairs of bodies whose boxes overlap and that are not [ignored](SceneQuery::ignore), sorted.
+    /// All pairs of bodies whose boxes overlap and that are not [ignored](crate::SceneQuery::ignore), sorted.
     pub pairs: Vec<CheckedPair>,
 }
 
