@@ -1,10 +1,9 @@
 //! The relation of two solids.
 
 use crate::environment::with_default;
-use crate::memory::filled;
 use crate::subject::Subject;
-use crate::{AnyPose, Distance, Error, PairQuery, Pose, Solid};
-use pfront_core::relation::{Between, Overlap, Relation, RelationQuery, overlap_bound};
+use crate::{AnyPose, Distance, Error, PairQuery, Pose, Pose64, Solid};
+use pfront_core::relation::{Between, Overlap, Relation, RelationQuery};
 
 impl PairQuery {
     /// The relation of two solids, exactly: apart, touching, crossing, one inside the other, or equal; undetermined where it
@@ -72,15 +71,16 @@ impl PairQuery {
     }
 
     /// The volume that two solids have in common: an interval that holds it, in the units of the first. It is found from the triangle
-    /// pairs that intersect, without any new mesh.
+    /// pairs that intersect, without any new mesh. A pose is taken in f64, in which it rounds positions least.
     ///
     /// Where rounding has made a posed mesh meet itself, points that it surrounds more than once count as often.
     ///
     /// # Errors
-    /// As [`PairQuery::all`]; [`Error::Solid`] if triangles of one of the two meet their own mesh.
+    /// As [`PairQuery::all`]; [`Error::Solid`] if triangles of one of the two meet their own mesh inside the other solid or on its
+    /// surface.
     ///
     /// # Complexity
-    /// As [`PairQuery::all`], about a microsecond a pair, and O(triangles).
+    /// As [`PairQuery::all`], about a microsecond a pair, and a ray for each part of a surface.
     ///
     /// # Examples
     /// ```
@@ -98,17 +98,18 @@ impl PairQuery {
         b: &Solid,
         a_from_b: impl Into<AnyPose>,
     ) -> Result<[f64; 2], Error> {
-        let pose = a_from_b.into();
+        let mut pose = a_from_b.into();
+        if pose.to_f64() != Pose64::IDENTITY {
+            pose = pose.to_f64().into();
+        }
         with_default(|| {
             let models = [&**a.model(), &**b.model()];
             let subject = Subject::pair(models, pose, Distance::default())?;
             let [a, b] = [a.view(), b.view()];
             let query = RelationQuery::of_pair(pose.pair([a.bvh(), b.bvh()])?, &a, &b);
-            let triangles = models.map(|model| model.mesh().triangles().len());
-            let mut words = filled(0, overlap_bound(triangles[0] + triangles[1]))?;
-            let mut overlap = Overlap::new(&query, &mut words)?;
+            let mut overlap = Overlap::new(&query);
             self.query.all(&subject)?.iter().for_each(|&pair| overlap.add(pair));
-            Ok(overlap.conclude())
+            Ok(overlap.conclude()?)
         })
     }
 }

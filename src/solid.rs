@@ -7,7 +7,7 @@ use pfront_core::relation::{Rule, Solid as View, solid_bound, solid_scratch_boun
 use std::sync::Arc;
 
 /// A closed model with what has to be known of it once to tell its relation to others: the triangles around each edge, which of
-/// them meet their own mesh elsewhere, and where the inside is. Takes 36 bytes a triangle beside the model.
+/// them meet their own mesh elsewhere, and where the inside is. Takes 36 bytes a triangle and 44 a vertex beside the model.
 ///
 /// Equal positions are one vertex, so that a soup of triangles, as STL files have it, is closed too. Several bodies in one mesh
 /// are one solid; see [`Rule`] for the inside of what overlaps. Triangles that meet their own mesh beyond the corners that they
@@ -40,7 +40,7 @@ impl Solid {
     pub fn new(model: impl Into<Arc<Model>>) -> Result<Self, Error> {
         let model = model.into();
         let (vertices, n) = (model.mesh().vertex_count(), model.mesh().triangles().len());
-        let mut words = filled(0, solid_bound(n))?;
+        let mut words = filled(0, solid_bound(vertices, n))?;
         let mut scratch = filled(0, solid_scratch_bound(vertices, n))?;
         with_default(|| View::new(model.bvh(), &mut words, &mut scratch).map(drop))?;
         Ok(Self { model, words })

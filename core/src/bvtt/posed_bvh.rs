@@ -87,7 +87,7 @@ impl<'a> PosedBvh<'a> {
     }
 
     /// The pose in f64, the same if it is given in f32.
-    pub(super) fn as_pose64(&self) -> Pose64 {
+    pub(crate) fn as_pose64(&self) -> Pose64 {
         let in_f32 = || self.pose.map_or(Pose::IDENTITY, Affine::to_pose);
         self.pose_f64.unwrap_or_else(|| in_f32().into())
     }

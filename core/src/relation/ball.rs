@@ -54,8 +54,17 @@ impl Mul for Ball {
     }
 }
 
+/// u × v.
+pub(super) fn cross(u: &[Ball; 3], v: &[Ball; 3]) -> [Ball; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i] * v[j] - u[j] * v[i])
+}
+
+/// p · q.
+pub(super) fn dot(p: &[Ball; 3], q: &[Ball; 3]) -> Ball {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
 /// det(p, q, r).
-pub(super) fn determinant([p, q, r]: [[Ball; 3]; 3]) -> Ball {
-    let minor = |i: usize, j: usize| q[i] * r[j] - q[j] * r[i];
-    p[0] * minor(1, 2) + p[1] * minor(2, 0) + p[2] * minor(0, 1)
+pub(super) fn determinant([p, q, r]: &[[Ball; 3]; 3]) -> Ball {
+    dot(p, &cross(q, r))
 }

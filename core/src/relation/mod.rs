@@ -23,6 +23,7 @@
 //! oriented alike, with an odd one: see [`Rule`].
 
 mod ball;
+mod cones;
 mod fans;
 mod picture;
 mod query;
@@ -34,7 +35,7 @@ mod volume;
 
 pub use query::{RelationQuery, Seen, seen_bound};
 pub use solid::{NotSolid, Rule, Solid, solid_bound, solid_scratch_bound};
-pub use volume::{Overlap, overlap_bound};
+pub use volume::Overlap;
 
 use crate::bvtt::TrianglePair;
 use core::fmt;
@@ -102,7 +103,8 @@ impl fmt::Display for Relation {
 /// The answer about two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
-    /// The relation; `None` if it is undetermined, since it hangs on triangles that meet their own mesh.
+    /// The relation; `None` if it is undetermined, since it hangs on triangles that meet their own mesh, or on an edge along which more
+    /// than 32 triangles of both meet.
     pub relation: Option<Relation>,
     /// Whether the surfaces meet, as those of nested solids may.
     pub meets: bool,

@@ -11,9 +11,10 @@ use crate::exact::orientation::sides;
 use crate::pose::PoseError;
 use crate::scalar::Scalar;
 use crate::triangle::{arrange, intersects_as_in_mesh, projection};
-use crate::{CapacityError, Pose};
+use crate::{Aabb, CapacityError, Pose};
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use glam::{DVec3, Vec3A};
 
 /// Points in both solids, only in the first, only in the second: all that decides a relation.
 const BOTH: u8 = 1;
@@ -97,7 +98,7 @@ impl<'s> Seen<'s> {
 /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(4)], [0; 4]);
 /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 8])?;
-/// let (mut words, mut scratch) = ([0; solid_bound(4)], [0; solid_scratch_bound(4, 4)]);
+/// let (mut words, mut scratch) = ([0; solid_bound(4, 4)], [0; solid_scratch_bound(4, 4)]);
 /// let solid = Solid::new(bvh, &mut words, &mut scratch)?;
 /// let relation = |x| {
 ///     let query = RelationQuery::new(&solid, &solid, Pose::from_translation([x, 0.0, 0.0]))?;
@@ -216,7 +217,11 @@ impl<'a> RelationQuery<'a> {
                     continue;
                 };
                 if mesh == 1 && !is_marked && !self.is_exact() {
-                    front = own_winding(&self.query, 1, triangle);
+                    let Ok(posed) = own_winding(&self.query, 1, triangle) else {
+                        seen.is_rounded = true;
+                        continue;
+                    };
+                    front = posed;
                     let rule = self.solids[1].rule();
                     // Rounding may have made a patch that bounds nothing one that does.
                     seen.is_rounded |= rule.is_inside(front) == rule.is_inside(front + 1);
@@ -238,11 +243,15 @@ impl<'a> RelationQuery<'a> {
     }
 
     /// A point near the middle of what the boxes of both have in common.
-    pub(super) fn middle(&self) -> glam::DVec3 {
-        let side = self.query.sides()[0];
-        let root = side.bvh.root().map(|node| node.bounds());
-        let centre = root.map_or(glam::Vec3A::ZERO, |bounds| bounds.min * 0.5 + bounds.max * 0.5);
-        centre.as_dvec3() + glam::DVec3::from_array(side.bvh.mesh().origin())
+    pub(super) fn middle(&self) -> DVec3 {
+        let [a, b] = self.query.sides().map(|side| side.aabb().unwrap_or(Aabb::EMPTY));
+        let [low, high] = [
+            Vec3A::from_array(a.min).max(Vec3A::from_array(b.min)),
+            Vec3A::from_array(a.max).min(Vec3A::from_array(b.max)),
+        ];
+        let centre = (low * 0.5 + high * 0.5).as_dvec3();
+        let centre = if centre.is_finite() { centre } else { DVec3::ZERO };
+        centre + DVec3::from_array(self.query.sides()[0].bvh.mesh().origin())
     }
 
     /// The number of the first patch of a mesh among those of both.
@@ -266,6 +275,8 @@ impl<'a> RelationQuery<'a> {
         let faces = [pair.a, pair.b];
         let patches = [0, 1].map(|mesh| self.solids[mesh].patch_of(faces[mesh]));
         if patches.contains(&DEGENERATE) {
+            // Rounding may have given it an area.
+            seen.is_rounded |= !self.is_exact();
             return;
         }
         let corners = [0, 1].map(|mesh| C::corners(self.query.sides()[mesh], faces[mesh]));
@@ -292,11 +303,12 @@ impl<'a> RelationQuery<'a> {
     fn add_crossing<C: Posed>(&self, seen: &mut Seen<'_>, pair: TrianglePair) {
         let mut fronts = [self.front(0, pair.a), self.front(1, pair.b)];
         if !self.is_exact_or_unknown() {
-            if self.meets_itself::<C>(pair.b) {
+            let front = own_winding(&self.query, 1, pair.b);
+            let Some(front) = front.ok().filter(|_| !self.meets_itself::<C>(pair.b)) else {
                 seen.is_rounded = true;
                 return;
-            }
-            fronts[1] = own_winding(&self.query, 1, pair.b);
+            };
+            fronts[1] = front;
         }
         for a in [fronts[0], fronts[0] + 1] {
             for b in [fronts[1], fronts[1] + 1] {
@@ -421,7 +433,7 @@ impl<'a> RelationQuery<'a> {
     }
 
     /// Whether the posed second mesh is the second solid without any rounding.
-    fn is_exact(&self) -> bool {
+    pub(super) fn is_exact(&self) -> bool {
         if self.exactness.load(Relaxed) == 0 {
             let is_exact = self.query.sides()[1].is_exact();
             self.exactness.store(if is_exact { 1 } else { 2 }, Relaxed);

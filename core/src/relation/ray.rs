@@ -30,15 +30,15 @@ impl Posed for f64 {
     }
 }
 
-/// A triangle lies on the point of a triangle from which a ray starts.
+/// A triangle lies on the point of a triangle from which a ray starts, or rounding has left that one no area.
 #[derive(Debug)]
 pub(super) struct OnSurface;
 
 /// The winding number of a side of a query at a point in the interior of a triangle of `from`: that in front of the triangle if it
-/// belongs to the same side. A degenerate triangle has the number 0.
+/// belongs to the same side.
 ///
 /// # Errors
-/// [`OnSurface`] if another triangle of the side lies there.
+/// [`OnSurface`] if another triangle of the side lies there, or the triangle has no area.
 pub(super) fn winding<C: Posed>(
     query: &PairBvtt<'_>,
     [from, of]: [usize; 2],
@@ -46,7 +46,7 @@ pub(super) fn winding<C: Posed>(
 ) -> Result<i32, OnSurface> {
     let sides_of = query.sides();
     let own = C::corners(sides_of[from], triangle);
-    let Some(Some(seen)) = projection::<Exact<C>>(&own) else { return Ok(0) };
+    let Some(Some(seen)) = projection::<Exact<C>>(&own) else { return Err(OnSurface) };
     let axis = seen.axis;
     let vertex = sides_of[from].bvh.mesh().triangles()[triangle as usize][0];
     let start = flat(&own, axis);

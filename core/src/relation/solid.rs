@@ -1,7 +1,8 @@
 //! A closed mesh, with what has to be known of it once.
 
+use super::cones::{self, Cones, write_cones};
 use super::fans::{Bits, Sets, edge_of, link, sort_by_edge};
-use super::ray::winding;
+use super::ray::{OnSurface, winding};
 use crate::bvtt::{PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
 use crate::exact::Exact;
 use crate::triangle::projection;
@@ -45,10 +46,10 @@ pub enum NotSolid {
     Capacity(#[from] CapacityError),
 }
 
-/// The number of words that a [`Solid`] of so many triangles takes: 36 bytes a triangle.
+/// The number of words that a [`Solid`] takes: 44 bytes a vertex and 36 a triangle.
 #[must_use]
-pub const fn solid_bound(triangles: usize) -> usize {
-    HEADER + 9 * triangles
+pub const fn solid_bound(vertices: usize, triangles: usize) -> usize {
+    HEADER + 9 * triangles + cones::HEADER + cones::WORDS * vertices
 }
 
 /// The number of words of scratch memory that [`Solid::new`] takes.
@@ -83,7 +84,7 @@ pub(super) const MARKED: u32 = 1 << 31;
 ///     let (mut nodes, mut order) = ([Node::EMPTY; node_bound(4)], [0; 4]);
 ///     let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
 ///     let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 8])?;
-///     let (mut words, mut scratch) = ([0; solid_bound(4)], [0; solid_scratch_bound(4, 4)]);
+///     let (mut words, mut scratch) = ([0; solid_bound(4, 4)], [0; solid_scratch_bound(4, 4)]);
 ///     Solid::new(bvh, &mut words, &mut scratch).map(|solid| solid.patches())?;
 ///     Ok::<_, Box<dyn std::error::Error>>(())
 /// };
@@ -105,14 +106,19 @@ impl<'a> Solid<'a> {
     /// [`NotSolid`] names the triangle; or the buffer, which [`solid_bound`] and [`solid_scratch_bound`] measure.
     ///
     /// # Complexity
-    /// O(n log n) and a self query.
+    /// O(n log n), a self query, and a ray for each patch, which takes as long as what it meets is much; an edge of k triangles takes
+    /// O(k²).
     pub fn new(bvh: Bvh<'a>, words: &'a mut [u32], scratch: &mut [u32]) -> Result<Self, NotSolid> {
         let (mesh, n) = (bvh.mesh(), bvh.mesh().triangles().len());
         let vertices = mesh.vertex_count();
-        CapacityError::check("words", solid_bound(n), words.len())?;
+        // Half-edges have numbers, and vertices 31 bits.
+        CapacityError::check("triangles of a solid", n, u32::MAX as usize / 3)?;
+        CapacityError::check("vertices of a solid", vertices, cones::ROOT as usize)?;
+        CapacityError::check("words", solid_bound(vertices, n), words.len())?;
         CapacityError::check("scratch", solid_scratch_bound(vertices, n), scratch.len())?;
-        let words = &mut words[..solid_bound(n)];
-        let (header, lists) = words.split_at_mut(HEADER);
+        let words = &mut words[..solid_bound(vertices, n)];
+        let (first, cones) = words.split_at_mut(HEADER + 9 * n);
+        let (header, lists) = first.split_at_mut(HEADER);
         let (corners, lists) = lists.split_at_mut(3 * n);
         let (next, lists) = lists.split_at_mut(3 * n);
         let (patch_of, patches) = lists.split_at_mut(n);
@@ -123,13 +129,10 @@ impl<'a> Solid<'a> {
 
         let (corners, _) = corners.as_chunks_mut();
         weld_corners(mesh, weld, corners);
-        let half_edges = {
-            let len = sort_by_edge(corners, half_edges);
-            &half_edges[..len]
-        };
-        let rule = rule(corners, half_edges)?;
+        let len = sort_by_edge(corners, half_edges);
+        let rule = rule(corners, &half_edges[..len])?;
         mark_degenerate(mesh, patch_of);
-        link_fans(corners, half_edges, rule, patch_of, next, &mut marks);
+        link_fans(corners, &half_edges[..len], rule, patch_of, next, &mut marks);
         let lowest = mark_hits(&bvh, corners, patch_of, &mut marks);
         let count = join_patches(corners, next, &marks, patch_of, patches);
         header[..2].copy_from_slice(&[count as u32, u32::from(rule == Rule::Odd)]);
@@ -142,16 +145,19 @@ impl<'a> Solid<'a> {
         let itself = PairBvtt::in_world(PosedBvh::unposed(bvh), PosedBvh::unposed(bvh));
         for patch in patches[..2 * count].chunks_exact_mut(2) {
             if patch_of[patch[0] as usize] & MARKED == 0 {
-                let front = own_winding(&itself, 0, patch[0]);
+                let front = own_winding(&itself, 0, patch[0]).unwrap_or(0);
                 patch[1] = front as u32;
                 has_volume |= rule.is_inside(front) != rule.is_inside(front + 1);
             }
         }
         match lowest {
-            _ if has_volume => Ok(Self { bvh, words }),
-            Some(pair) => Err(NotSolid::MeetsItself { pair }),
-            None => Err(NotSolid::NoVolume),
+            _ if has_volume => {}
+            Some(pair) => return Err(NotSolid::MeetsItself { pair }),
+            None => return Err(NotSolid::NoVolume),
         }
+        marks.0.fill(0);
+        write_cones(&Solid { bvh, words: first }, cones, [weld, half_edges], &mut marks);
+        Ok(Self { bvh, words })
     }
 
     /// The solid of words that [`Solid::new`] has written about the same mesh, without checking them.
@@ -207,6 +213,27 @@ impl<'a> Solid<'a> {
         self.words[HEADER + 6 * self.triangles() + triangle as usize]
     }
 
+    /// Whether a triangle meets its own mesh beyond the corners that it shares.
+    pub(super) fn is_marked(&self, triangle: u32) -> bool {
+        let patch = self.patch_of(triangle);
+        patch != DEGENERATE && patch & MARKED != 0
+    }
+
+    /// 1 for a triangle whose front is outside, −1 for one whose back is, and 0 for one that bounds nothing, or is marked.
+    pub(super) fn facing(&self, triangle: u32) -> i32 {
+        let patch = self.patch_of(triangle);
+        if patch & MARKED != 0 {
+            return 0;
+        }
+        let front = self.patch(patch).1;
+        let [front, back] = [front, front + 1].map(|n| i32::from(self.rule().is_inside(n)));
+        back - front
+    }
+
+    pub(super) fn cones(&self) -> Cones<'a> {
+        Cones(&self.words[HEADER + 9 * self.triangles()..])
+    }
+
     /// A triangle of a patch, and its winding number in front.
     pub(super) fn patch(&self, patch: u32) -> (u32, i32) {
         let at = HEADER + 7 * self.triangles() + 2 * patch as usize;
@@ -225,14 +252,20 @@ impl Rule {
     }
 }
 
-/// The winding number in front of an unmarked triangle of a side of a query, on which no other of its mesh lies.
-pub(super) fn own_winding(query: &PairBvtt<'_>, side: usize, triangle: u32) -> i32 {
+/// The winding number in front of a triangle of a side of a query.
+///
+/// # Errors
+/// [`OnSurface`]; never for an unmarked triangle that is not posed.
+pub(super) fn own_winding(
+    query: &PairBvtt<'_>,
+    side: usize,
+    triangle: u32,
+) -> Result<i32, OnSurface> {
     let of = [side; 2];
-    let found = match query.is_f64() {
+    match query.is_f64() {
         false => winding::<f32>(query, of, triangle),
         true => winding::<f64>(query, of, triangle),
-    };
-    found.unwrap_or(0)
+    }
 }
 
 /// Writes the corners with each position's lowest vertex.

@@ -27,7 +27,7 @@ fn with_bvh<R>(mesh: Mesh<'_>, then: impl FnOnce(Bvh<'_>) -> R) -> R {
 /// Calls `then` with the solid of a mesh.
 fn with_solid<R>(mesh: Mesh<'_>, then: impl FnOnce(Result<Solid<'_>, NotSolid>) -> R) -> R {
     let n = mesh.triangles().len();
-    let mut words = vec![0; solid_bound(n)];
+    let mut words = vec![0; solid_bound(mesh.vertex_count(), n)];
     let mut scratch = vec![0; solid_scratch_bound(mesh.vertex_count(), n)];
     with_bvh(mesh, |bvh| then(Solid::new(bvh, &mut words, &mut scratch)))
 }
@@ -227,21 +227,22 @@ fn nested_bodies_of_one_mesh_are_one() {
 }
 
 /// The common volume of two meshes.
-fn overlap(a: &MeshData, b: &MeshData, pose: Pose) -> [f64; 2] {
+fn overlap(a: &MeshData, b: &MeshData, pose: Pose) -> Result<[f64; 2], NotSolid> {
     with_solid(mesh(a), |a| {
         with_solid(mesh(b), |b| {
             let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), pose).unwrap();
-            let triangles = query.solids.iter().map(|s| s.bvh().mesh().triangles().len()).sum();
-            let mut words = vec![0; overlap_bound(triangles)];
-            let mut overlap = Overlap::new(&query, &mut words).unwrap();
-            let mut cursor = crate::bvtt::Query::start(query.pairs());
-            let _ = crate::bvtt::Query::visit(query.pairs(), &mut cursor, |pair| {
-                overlap.add(pair);
-                core::ops::ControlFlow::Continue(())
-            });
-            overlap.conclude()
+            overlap_of(&query)
         })
     })
+}
+
+fn overlap_of(query: &RelationQuery<'_>) -> Result<[f64; 2], NotSolid> {
+    let (mut overlap, mut cursor) = (Overlap::new(query), crate::bvtt::Query::start(query.pairs()));
+    let _ = crate::bvtt::Query::visit(query.pairs(), &mut cursor, |pair| {
+        overlap.add(pair);
+        core::ops::ControlFlow::Continue(())
+    });
+    overlap.conclude()
 }
 
 #[test]
@@ -261,9 +262,140 @@ fn the_volume_of_lattice_solids_is_that_of_their_cells() {
         });
         let [own, other] = solids.each_ref().map(|solid| solid.cells());
         let truth = (truth(&own, &other).volume * scale as usize) as f64;
-        let [low, high] = overlap(&a, &b, Pose::IDENTITY);
+        let [low, high] = overlap(&a, &b, Pose::IDENTITY).unwrap();
         assert!(low <= truth && truth <= high, "{round}: {truth} {low} {high}");
         let reach = a.positions.iter().flatten().fold(1.0_f32, |most, x| most.max(x.abs()));
         assert!(high - low < 1e-10 * f64::from(reach).powi(3), "{round}: {truth} {low} {high}");
     }
+}
+
+/// In a pose that rounds, mirrors or scales, the interval has a number in common with that of the posed mesh, and is no wider than
+/// rounding makes it.
+#[test]
+fn volumes_of_posed_solids_are_those_of_their_posed_meshes() {
+    let mut rng = seeded(53);
+    let mut wide = 0;
+    for round in 0..rounds(500) {
+        let [a, b] = pair(&mut rng).map(|solid| solid.mesh(false, &mut rng));
+        let (s, c) = if round % 3 == 0 { (1.0, 0.0) } else { (0.6, 0.8) };
+        let flip = if round % 2 == 0 { 1.0 } else { -1.5 };
+        let by = [0; 3].map(|_| rng.random_range(-2..=2) as f32 * 0.5);
+        let rows = [[c, -s, 0.0, by[0]], [s, c, 0.0, by[1]], [0.0, 0.0, flip, by[2]]];
+        let pose = Pose::new(rows);
+        let posed = b.clone().map(|p| pose.apply(p));
+        // Rounding can make a posed mesh meet itself.
+        let Ok(expected) = with_solid(mesh(&posed), |solid| match solid {
+            Ok(solid) if solid.marked_pair().is_none() => Ok(()),
+            _ => Err(()),
+        })
+        .map(|()| overlap(&a, &posed, Pose::IDENTITY).unwrap()) else {
+            continue;
+        };
+        let found = overlap(&a, &b, pose).unwrap();
+        assert!(
+            found[0] <= expected[1] && expected[0] <= found[1],
+            "{round} {found:?} {expected:?}"
+        );
+        assert!(found[1] - found[0] < 10.0, "{round} {found:?}");
+        wide += u32::from(found[1] - found[0] > 1e-9);
+        #[cfg(feature = "f64")]
+        with_solid(mesh(&a), |a| {
+            with_solid(mesh(&b), |b| {
+                let (a, b) = (a.unwrap(), b.unwrap());
+                let query = crate::bvtt::PairBvtt::in_f64(a.bvh(), b.bvh(), &pose.into()).unwrap();
+                let found = overlap_of(&RelationQuery::of_pair(query, &a, &b)).unwrap();
+                let near = |x: f64, y: f64| (x - y).abs() < 1e-4;
+                assert!(found[1] - found[0] < 1e-8, "{round} {found:?}");
+                assert!(near(found[0], expected[0]), "{round} {found:?} {expected:?}");
+            });
+        });
+    }
+    assert!(wide > 0, "some poses round");
+}
+
+/// Triangles that meet their own mesh matter to a volume only inside the other solid and on its surface.
+#[test]
+fn volumes_need_no_triangle_elsewhere() {
+    let apart = union(&[cube(0.0, 4.0), cube(10.0, 12.0), cube(11.0, 13.0)]);
+    let [low, high] = overlap(&apart, &cube(3.0, 5.0), Pose::IDENTITY).unwrap();
+    assert!(low <= 1.0 && 1.0 <= high && high - low < 1e-9, "{low} {high}");
+    for at in [9.0, 11.5] {
+        let found = overlap(&apart, &cube(at, at + 7.0), Pose::IDENTITY);
+        assert!(matches!(found, Err(NotSolid::MeetsItself { .. })), "{found:?}");
+    }
+    let [low, high] = overlap(&apart, &cube(10.25, 10.5), Pose::IDENTITY).unwrap();
+    assert!(low <= 0.015_625 && 0.015_625 <= high && high - low < 1e-9, "{low} {high}");
+}
+
+/// A mesh of corners and triangles.
+fn made(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> MeshData {
+    MeshData { positions: positions.to_vec(), triangles: triangles.to_vec() }
+}
+
+const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+/// Where a body inside shares an edge with that around it, triangles that bound nothing have the steps along the edge.
+#[test]
+fn bodies_that_bound_nothing_add_no_volume() {
+    let fin = made(
+        &[[0.0; 3], [4.0, 0.0, 0.0], [2.0, 1.0, 2.0], [2.0, 2.0, 1.0]],
+        &TETRAHEDRON.map(|[p, q, r]| [p, r, q]),
+    );
+    // Turned the other way it is a cavity.
+    for (fin, truth) in [(fin.clone(), 1.0), (made(&fin.positions, &TETRAHEDRON), 0.875)] {
+        let both = union(&[fin, cube(0.0, 4.0)]);
+        with_solid(mesh(&both), |solid| assert!(solid.unwrap().marked_pair().is_none()));
+        let [low, high] = overlap(&both, &cube(-1.0, 1.0), Pose::IDENTITY).unwrap();
+        assert!(low <= truth && truth <= high && high - low < 1e-9, "{low} {high}");
+    }
+}
+
+/// A triangle from which rounding has taken its area tells nothing.
+#[test]
+fn a_ray_needs_an_area() {
+    let mut b = cube(0.0, 1.0);
+    // One corner is cut off by 2^-24.
+    let small = 2.0_f32.powi(-24);
+    let first = b.triangles[0];
+    let at = |k: usize| b.positions[first[k] as usize];
+    let towards = |p: [f32; 3], q: [f32; 3]| [0, 1, 2].map(|k| p[k] + (q[k] - p[k]) * small);
+    let (near, nearer) = (towards(at(0), at(1)), towards(at(0), at(2)));
+    let [v, w] = [b.positions.len() as u32, b.positions.len() as u32 + 1];
+    b.positions.extend([near, nearer]);
+    let [p, q, r] = first;
+    let whole = b.triangles.len();
+    b.triangles[0] = [p, v, w];
+    b.triangles.extend([[v, q, w], [w, q, r]]);
+    // The neighbours at the two edges get the new corners too.
+    for triangle in 1..whole {
+        for (from, to, new) in [(p, q, v), (r, p, w)] {
+            let t = b.triangles[triangle];
+            if let Some(k) = (0..3).find(|&k| t[k] == to && t[(k + 1) % 3] == from) {
+                let last = t[(k + 2) % 3];
+                b.triangles[triangle] = [to, new, last];
+                b.triangles.push([new, from, last]);
+            }
+        }
+    }
+    let a = made(
+        &cube(0.0, 1.0)
+            .positions
+            .iter()
+            .map(|p| [1000.0 + 20.0 * p[0], 20.0 * p[1] - 10.0, 20.0 * p[2] - 10.0])
+            .collect::<vec::Vec<_>>(),
+        &cube(0.0, 1.0).triangles,
+    );
+    with_solid(mesh(&b), |solid| assert!(solid.unwrap().marked_pair().is_none()));
+    let found = between_once(&a, &b, Pose::from_translation([1004.0, 5.0, 5.0]));
+    assert!(found.relation.is_none() && found.is_rounded, "{found:?}");
+}
+
+/// The relation of two meshes, by one worker.
+fn between_once(a: &MeshData, b: &MeshData, pose: Pose) -> Between {
+    with_solid(mesh(a), |a| {
+        with_solid(mesh(b), |b| {
+            let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), pose).unwrap();
+            query.relation(&mut vec![0; seen_bound(query.patches())]).unwrap()
+        })
+    })
 }

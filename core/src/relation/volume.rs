@@ -13,27 +13,20 @@
 //!
 //! Signs are exact. Numbers carry a bound of their error, and points on edges are within 2^-44 of the length of the edge.
 
-use super::ball::{Ball, determinant};
-use super::fans::{edge_of, fan};
+use super::ball::{Ball, cross, determinant, dot};
+use super::cones::Sum;
 use super::ray::Posed;
-use super::solid::{DEGENERATE, MARKED};
 use super::{NotSolid, RelationQuery};
 use crate::bvtt::TrianglePair;
+use crate::exact::Exact;
 use crate::exact::difference;
 use crate::exact::filter64::{ERROR_3D, UNDERFLOW_3D, larger};
 use crate::exact::integer::orient3d_ratio;
 use crate::exact::orientation::{orient2d, sides};
 use crate::scalar::Scalar;
 use crate::triangle::{flat, turn};
-use crate::{CapacityError, exact::Exact};
 use core::ops::ControlFlow;
 use glam::DVec3;
-
-/// The number of words that an [`Overlap`] takes, for the triangles of both solids together: 20 bytes a triangle.
-#[must_use]
-pub const fn overlap_bound(triangles: usize) -> usize {
-    5 * triangles
-}
 
 /// The common volume of two solids, from the pairs that are added to it.
 #[derive(Debug)]
@@ -42,11 +35,14 @@ pub struct Overlap<'s, 'a> {
     /// Six times the volume, so far.
     sum: Ball,
     origin: DVec3,
-    /// For each half-edge that is the lowest of its edge, by how much inside it gets along it.
-    steps: [&'s mut [i32]; 2],
-    /// For each triangle: 0 before it is visited, else 1 plus 2, 4 and 8 for corners inside.
-    corners: [&'s mut [u32]; 2],
-    queue: &'s mut [u32],
+    /// Cones over the triangles of each mesh whose last corner is inside the other solid.
+    inside: [Sum; 2],
+    /// Whether a pair has been added.
+    has_met: bool,
+    /// 1, or −1 if the pose of the second mirrors it.
+    turn: i32,
+    /// The lowest pair of a mesh of which a marked triangle meets the other mesh.
+    marked: Option<TrianglePair>,
 }
 
 /// An end of the segment in which two triangles meet: where an edge of one cuts the other.
@@ -63,31 +59,17 @@ struct End<C> {
 
 impl<'s, 'a> Overlap<'s, 'a> {
     /// Nothing added yet.
-    ///
-    /// # Errors
-    /// [`NotSolid::MeetsItself`] if a triangle of one of the two meets its own mesh; [`NotSolid::Capacity`] if there are fewer than
-    /// [`overlap_bound`] words.
-    pub fn new(query: &'s RelationQuery<'a>, words: &'s mut [u32]) -> Result<Self, NotSolid> {
-        if let Some(pair) = query.solids.iter().find_map(|solid| solid.marked_pair()) {
-            return Err(NotSolid::MeetsItself { pair });
-        }
-        let counts = [0, 1].map(|mesh| query.solids[mesh].corners().len());
-        let needed = overlap_bound(counts[0] + counts[1]);
-        CapacityError::check("words", needed, words.len())?;
-        let words = &mut words[..needed];
-        words.fill(0);
-        let (steps_a, words) = words.split_at_mut(3 * counts[0]);
-        let (steps_b, words) = words.split_at_mut(3 * counts[1]);
-        let (corners_a, words) = words.split_at_mut(counts[0]);
-        let (corners_b, queue) = words.split_at_mut(counts[1]);
-        let steps = [steps_a, steps_b].map(bytemuck::must_cast_slice_mut);
+    #[must_use]
+    pub fn new(query: &'s RelationQuery<'a>) -> Self {
+        let turn = if scale_of(query) < 0.0 { -1 } else { 1 };
         let origin = query.middle();
-        let corners = [corners_a, corners_b];
-        Ok(Self { query, sum: Ball::default(), origin, steps, corners, queue })
+        let (inside, has_met, marked) = (Default::default(), false, None);
+        Self { query, sum: Ball::default(), origin, inside, has_met, turn, marked }
     }
 
     /// Adds a pair of triangles that intersect.
     pub fn add(&mut self, pair: TrianglePair) {
+        self.has_met = true;
         match self.query.query.is_f64() {
             false => self.add_posed::<f32>(pair),
             true => self.add_posed::<f64>(pair),
@@ -96,30 +78,32 @@ impl<'s, 'a> Overlap<'s, 'a> {
 
     /// The volume, when all pairs have been added: an interval that holds it.
     ///
+    /// # Errors
+    /// [`NotSolid::MeetsItself`] if triangles of one of the two meet their own mesh inside the other solid or on its surface.
+    ///
     /// # Complexity
-    /// O(triangles), and a ray for each part of a surface.
-    #[must_use]
-    pub fn conclude(mut self) -> [f64; 2] {
-        match self.query.query.is_f64() {
-            false => self.add_corners::<f32>(),
-            true => self.add_corners::<f64>(),
+    /// A ray for each part of a surface.
+    pub fn conclude(mut self) -> Result<[f64; 2], NotSolid> {
+        for mesh in 0..2 {
+            self.add_trees(mesh);
+            if self.inside[mesh].has_marked() {
+                self.marked = self.marked.or(self.query.solids[mesh].marked_pair());
+            }
+            self.sum = self.sum + self.cones_inside(mesh);
+        }
+        self.sum.radius += self.rounding();
+        if let Some(pair) = self.marked {
+            return Err(NotSolid::MeetsItself { pair });
         }
         let volume = self.sum * Ball::new(1.0 / 6.0, f64::EPSILON);
         // Rounded outward once more.
         let [low, high] = [volume.middle - volume.radius, volume.middle + volume.radius];
-        [low.next_down().max(0.0), high.next_up().max(0.0)]
+        Ok([low.next_down().max(0.0), high.next_up().max(0.0)])
     }
 
-    /// 1 for a triangle whose front is outside, −1 for one whose back is, and 0 for one that bounds nothing.
     fn facing(&self, mesh: usize, triangle: u32) -> i32 {
-        let solid = &self.query.solids[mesh];
-        let patch = solid.patch_of(triangle);
-        if patch == DEGENERATE {
-            return 0;
-        }
-        let front = solid.patch(patch & !MARKED).1;
-        let [front, back] = [front, front + 1].map(|n| i32::from(solid.rule().is_inside(n)));
-        back - front
+        let facing = self.query.solids[mesh].facing(triangle);
+        if mesh == 0 { facing } else { self.turn * facing }
     }
 
     fn point<C: Scalar>(&self, p: &[C; 3]) -> [Ball; 3] {
@@ -130,13 +114,18 @@ impl<'s, 'a> Overlap<'s, 'a> {
 
     /// The determinant of the corners of a triangle.
     fn cone<C: Scalar>(&self, t: &[[C; 3]; 3]) -> Ball {
-        determinant(t.each_ref().map(|p| self.point(p)))
+        determinant(&t.each_ref().map(|p| self.point(p)))
     }
 
     fn add_posed<C: Posed>(&mut self, pair: TrianglePair) {
         let faces = [pair.a, pair.b];
+        for (solid, &face) in self.query.solids.iter().zip(&faces) {
+            if solid.is_marked(face) {
+                self.marked = solid.marked_pair();
+            }
+        }
         let facing = [0, 1].map(|mesh| self.facing(mesh, faces[mesh]));
-        if facing.contains(&0) {
+        if facing == [0; 2] {
             return;
         }
         let t = [0, 1].map(|mesh| C::corners(self.query.query.sides()[mesh], faces[mesh]));
@@ -165,90 +154,98 @@ impl<'s, 'a> Overlap<'s, 'a> {
             *point = cut;
             // Along the edge it leaves the other solid if it leads to a front that is outside.
             let leaves = if end.is_up { facing[other] } else { -facing[other] };
+            if leaves == 0 {
+                continue;
+            }
             if end.edge == 1 {
                 let sign = Ball::new(f64::from(leaves * facing[own]), 0.0);
                 self.sum = self.sum + sign * fraction * self.cone(&t[own]);
             }
             let half_edge = 3 * faces[own] + end.edge as u32;
             if self.query.is_lowest(own, half_edge) {
-                self.steps[own][half_edge as usize] -= leaves;
+                let solid = &self.query.solids[own];
+                let ends = solid.corners()[faces[own] as usize];
+                let [from, to] = [end.edge, (end.edge + 1) % 3].map(|k| ends[k]);
+                solid.cones().step(from, to, -leaves, &mut self.inside[own]);
             }
+        }
+        if both == 0 {
+            return;
         }
         let [c, d] = [&t[0][0], &t[1][0]].map(|p| self.point(p));
         let apart = [0, 1, 2].map(|k| c[k] - d[k]);
         let sign = Ball::new(f64::from(both), 0.0);
-        self.sum = self.sum + sign * determinant([apart, points[0], points[1]]);
+        self.sum = self.sum + sign * determinant(&[apart, points[0], points[1]]);
     }
 
-    /// Adds triangles whose last corner is inside the other solid.
-    fn add_corners<C: Posed>(&mut self) {
-        for mesh in 0..2 {
-            for first in 0..self.corners[mesh].len() as u32 {
-                let patch = self.query.solids[mesh].patch_of(first);
-                if patch == DEGENERATE || self.corners[mesh][first as usize] != 0 {
-                    continue;
-                }
-                let is_inside = self.is_first_corner_inside::<C>(mesh, first);
-                self.visit(mesh, first, 0, is_inside);
-                let (mut done, mut len) = (0, 1);
-                self.queue[0] = first;
-                while done < len {
-                    let triangle = self.queue[done];
-                    done += 1;
-                    self.add_corner::<C>(mesh, triangle);
-                    let corners = self.corners[mesh][triangle as usize];
-                    for edge in 0..3 {
-                        let half_edge = 3 * triangle + edge;
-                        let solid = self.query.solids[mesh];
-                        for other in fan(solid.next(), half_edge).skip(1) {
-                            if self.corners[mesh][other as usize / 3] != 0 {
-                                continue;
-                            }
-                            let is_alike = edge_of(solid.corners(), other).1
-                                == edge_of(solid.corners(), half_edge).1;
-                            let shared = if is_alike { edge } else { (edge + 1) % 3 };
-                            self.visit(
-                                mesh,
-                                other / 3,
-                                other % 3,
-                                corners >> (shared + 1) & 1 != 0,
-                            );
-                            self.queue[len] = other / 3;
-                            len += 1;
-                        }
-                    }
-                }
+    /// Adds the trees of a mesh that begin inside the other solid.
+    fn add_trees(&mut self, mesh: usize) {
+        let solid = self.query.solids[mesh];
+        for patch in 0..solid.patches() as u32 {
+            let triangle = solid.patch(patch).0;
+            let Some(tree) = solid.cones().of_tree(solid.corners()[triangle as usize][0], patch)
+            else {
+                continue;
+            };
+            let is_inside = match self.query.query.is_f64() {
+                false => self.is_first_corner_inside::<f32>(mesh, triangle),
+                true => self.is_first_corner_inside::<f64>(mesh, triangle),
+            };
+            if is_inside {
+                self.inside[mesh].add(&tree, 1);
             }
         }
     }
 
-    /// Notes which corners of a triangle are inside, of which one is known.
-    fn visit(&mut self, mesh: usize, triangle: u32, corner: u32, is_inside: bool) {
-        let mut bits = 1 | u32::from(is_inside) << (corner + 1);
-        let mut inside = i32::from(is_inside);
-        for k in [corner, (corner + 1) % 3] {
-            inside += self.step(mesh, 3 * triangle + k);
-            bits |= u32::from(inside != 0) << ((k + 1) % 3 + 1);
+    /// The cones inside from the origin, posed. With x = M y + s for a point y of the mesh seen from its apex,
+    /// det(x, x′, x″) = det(M) det(y, y′, y″) + s · adj(M)ᵀ n, where n is the normal.
+    fn cones_inside(&self, mesh: usize) -> Ball {
+        let (solid, sum) = (&self.query.solids[mesh], &self.inside[mesh]);
+        if sum.triangles() == 0 {
+            return Ball::default();
         }
-        self.corners[mesh][triangle as usize] = bits;
+        let frame = solid.cones().frame();
+        let (all, normal) = frame.balls(sum);
+        let exact = |x: f64| Ball::new(x, 0.0);
+        let side = self.query.query.sides()[mesh];
+        let pose = side.as_pose64();
+        let rows = pose.rows.map(|[x, y, z, _]| [x, y, z].map(exact));
+        let apex = frame.apex.to_array();
+        let mut from = [Ball::default(); 3];
+        for k in 0..3 {
+            let moved = exact(pose.rows[k][3]) - exact(self.origin.to_array()[k]);
+            from[k] = dot(&rows[k], &apex.map(exact)) + moved;
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| cross(&rows[(k + 1) % 3], &rows[(k + 2) % 3]));
+        let turned = [dot(&x, &normal), dot(&y, &normal), dot(&z, &normal)];
+        let found = determinant(&rows) * all + dot(&from, &turned);
+        if mesh == 1 { exact(f64::from(self.turn)) * found } else { found }
     }
 
-    /// By how much inside one gets along a half-edge.
-    fn step(&self, mesh: usize, half_edge: u32) -> i32 {
-        let solid = &self.query.solids[mesh];
-        let lowest = fan(solid.next(), half_edge).min().unwrap_or(half_edge);
-        let step = self.steps[mesh][lowest as usize];
-        let is_alike = edge_of(solid.corners(), half_edge).1 == edge_of(solid.corners(), lowest).1;
-        if is_alike { step } else { -step }
-    }
-
-    fn add_corner<C: Posed>(&mut self, mesh: usize, triangle: u32) {
-        let facing = self.facing(mesh, triangle);
-        if self.corners[mesh][triangle as usize] & 8 != 0 && facing != 0 {
-            let corners = C::corners(self.query.query.sides()[mesh], triangle);
-            let sign = Ball::new(f64::from(facing), 0.0);
-            self.sum = self.sum + sign * self.cone(&corners);
+    /// By how much the sum may be off since each posed coordinate is rounded, by d at most. The cone of a triangle changes by 2 d times
+    /// the largest coordinate and the sum of its edges, and by terms of higher order. And where the rounded mesh meets itself, the sum
+    /// is that of no solid, but differs from it by no more than what the triangles sweep over when they are rounded, twice.
+    fn rounding(&self) -> f64 {
+        let (side, inside) = (self.query.query.sides()[1], self.inside[1].triangles());
+        if !self.has_met && inside == 0 || self.query.is_exact() {
+            return 0.0;
         }
+        let (frame, rows) = (self.query.solids[1].cones().frame(), side.as_pose64().rows);
+        let unit = if self.query.query.is_f64() { f64::EPSILON } else { f32::EPSILON.into() };
+        let (mut d, mut largest, mut columns) = (0.0_f64, 0.0_f64, DVec3::ZERO);
+        for ([x, y, z, t], origin) in rows.into_iter().zip(self.origin.to_array()) {
+            let row = DVec3::new(x, y, z).abs();
+            let reach = row.element_sum() * frame.farthest + t.abs();
+            d = d.max(4.0 * unit * reach);
+            largest = largest.max(1.01 * (reach + origin.abs()));
+            columns += row;
+        }
+        let (edges, stretch) = (columns.max_element() * frame.edges, columns.element_sum());
+        let cones = d * largest * (2.0 * edges + 24.0 * d * f64::from(inside));
+        let all = side.bvh.mesh().triangles().len() as f64;
+        let swept =
+            1.74 * d * (stretch * stretch * frame.area() + 4.0 * d * (edges + 4.0 * d * all));
+        1.01 * (cones + 12.0 * swept)
     }
 
     /// Whether the first corner of a triangle is inside the other solid, by a ray along the first axis.
@@ -294,6 +291,12 @@ impl<'s, 'a> Overlap<'s, 'a> {
         });
         self.query.solids[other].rule().is_inside(winding)
     }
+}
+
+/// The determinant of the pose of the second mesh.
+fn scale_of(query: &RelationQuery<'_>) -> f64 {
+    let [x, y, z] = query.query.sides()[1].as_pose64().rows.map(|[x, y, z, _]| DVec3::new(x, y, z));
+    x.dot(y.cross(z))
 }
 
 /// The sign of the first component of a normal that is not 0.
