@@ -3,8 +3,8 @@
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{
-    Answer, Backend, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors, Plan, Verb,
-    visit as search,
+    Answer, Backend, CONTACTS, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors,
+    Plan, Verb, visit as search,
 };
 use crate::memory::filled;
 use crate::subject::{Key, Subject};
@@ -126,7 +126,7 @@ impl SubjectQuery {
                 all.lock().unwrap_or_else(PoisonError::into_inner).join(&own);
                 Ok(())
             };
-            self.history.by_pieces(&self.pairs, add, &mut Vec::new())?;
+            self.history.by_pieces(&self.pairs, CONTACTS, add, &mut Vec::new())?;
         }
         Ok(query.conclude(seen))
     }

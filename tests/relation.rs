@@ -174,3 +174,83 @@ fn the_check_of_a_turned_assembly_finds_its_one_clash() {
         assert_eq!([of(Relation::Equal), of(Relation::BInA)], [1, 1]);
     }
 }
+
+fn cube() -> std::sync::Arc<Model> {
+    use pfront_testkit::solids::Blocks;
+    let blocks = Blocks { size: [1; 3], offset: [0; 3], blocks: [[0; 3]].into() };
+    let mesh = blocks.mesh(false, &mut seeded(54));
+    std::sync::Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap())
+}
+
+/// Volumes and distances of a check are those of the world, whatever the poses; mirrored bodies are solids too.
+#[test]
+fn a_check_measures_in_the_world() {
+    use pfront::{Allowed, SceneQuery};
+    let scaled = |[x, y, z]: [f32; 3], s: [f32; 3]| {
+        Pose::new([[s[0], 0.0, 0.0, x], [0.0, s[1], 0.0, y], [0.0, 0.0, s[2], z]])
+    };
+    for flip in [1.0, -1.0] {
+        let size = [10.0 * flip, 20.0, 5.0];
+        let mut scene = SceneQuery::new();
+        scene.within(0.5).unwrap();
+        let first = scene.add(cube(), scaled([0.0; 3], size)).unwrap();
+        let other = scene.add(cube(), scaled([9.0 * flip, 0.0, 0.0], size)).unwrap();
+        let near = scene.add(cube(), scaled([0.0, 20.25, 0.0], size)).unwrap();
+        let report = scene.check(&Allowed::default()).unwrap();
+        let of = |two| report.pairs.iter().find(|pair| pair.bodies == two).unwrap();
+        let crossing = of([first, other]);
+        assert_eq!(crossing.relation, Some(Relation::Crossing));
+        let [low, high] = crossing.overlap_volume.unwrap();
+        assert!(low <= 100.0 && 100.0 <= high && high - low < 1e-8, "{low} {high}");
+        let place = crossing.place.unwrap();
+        assert!(place[0] * f64::from(flip) >= 8.999 && place[1] <= 20.0, "{place:?}");
+        let beside = of([first, near]);
+        assert_eq!(beside.relation, Some(Relation::Near));
+        let [low, high] = beside.gap.unwrap();
+        assert!(low <= 0.25 && 0.25 <= high && high - low < 1e-5, "{low} {high}");
+        assert!(!crossing.is_allowed && !beside.is_allowed && !report.is_allowed());
+        let relations = vec![Relation::Near, Relation::Apart];
+        let most = Allowed { relations, overlap_volume: 100.001 };
+        assert!(scene.check(&most).unwrap().is_allowed());
+    }
+}
+
+/// What is no solid is told with its edge, is not allowed where it meets another, and its pairs have no relation.
+#[test]
+fn a_check_refuses_open_bodies() {
+    use pfront::{Allowed, NotSolid, SceneQuery};
+    let mesh = cube();
+    let triangles = mesh.mesh().triangles()[1..].to_vec();
+    let open = Model::new(mesh.mesh().shadow().to_vec(), triangles).unwrap();
+    let mut scene = SceneQuery::new();
+    scene.add(cube(), Pose::IDENTITY).unwrap();
+    let open = scene.add(std::sync::Arc::new(open), Pose::from_translation([0.5; 3])).unwrap();
+    let report = scene.check(&Allowed::default()).unwrap();
+    assert!(matches!(report.refused[..], [(body, NotSolid::OpenEdge { .. })] if body == open));
+    let [pair] = &report.pairs[..] else { panic!("{report:?}") };
+    assert!(pair.relation.is_none() && pair.meets && pair.place.is_some() && !pair.is_allowed);
+}
+
+/// A check that is cancelled says so.
+#[test]
+fn a_check_can_be_cancelled() {
+    use pfront::{Allowed, Error, SceneQuery};
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicBool;
+    let flag = Arc::new(AtomicBool::new(true));
+    let mut scene = SceneQuery::new().on(&Executor::sequential().with_cancel(flag));
+    scene.add(cube(), Pose::IDENTITY).unwrap();
+    scene.add(cube(), Pose::from_translation([0.5; 3])).unwrap();
+    assert!(matches!(scene.check(&Allowed::default()), Err(Error::Cancelled)));
+}
+
+/// A mirrored solid overlaps as its posed mesh does.
+#[test]
+fn mirrored_solids_have_their_volume() {
+    let solid = Solid::new(cube()).unwrap();
+    let pose = Pose::new([[-1.0, 0.0, 0.0, 1.5], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5]]);
+    let mut query = PairQuery::new();
+    let [low, high] = query.overlap_volume(&solid, &solid, pose).unwrap();
+    assert!(low <= 0.25 && 0.25 <= high && high - low < 1e-11, "{low} {high}");
+    assert_eq!(query.relation(&solid, &solid, pose).unwrap().relation, Some(Relation::Crossing));
+}

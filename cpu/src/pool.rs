@@ -11,9 +11,6 @@ use std::time::{Duration, Instant};
 /// The largest number of workers p.
 pub const MAX_WORKERS: usize = 1 << 16;
 
-/// Contacts that take about as long as to call another thread: some 0.3 us each.
-const CONTACTS: usize = 64;
-
 /// Pieces of a list of contacts for each thread, so that no thread waits long for the last.
 const PIECES: usize = 8;
 
@@ -134,8 +131,8 @@ impl Pool {
         self.p().min(self.all_threads())
     }
 
-    /// Adds to `out`, in order, what `list` makes of pieces of some items, which takes the time of a contact or more for each, on
-    /// any thread and in the default floating-point environment. Few items are one piece.
+    /// Adds to `out`, in order, what `list` makes of pieces of some items, on any thread and in the default floating-point environment.
+    /// A piece has `least` items or more, as many as are worth a call of another thread; fewer than two such pieces are one.
     ///
     /// # Errors
     /// The first that `list` returns, or [`MemoryError`] if not all fits into memory; nothing is added then.
@@ -148,17 +145,18 @@ impl Pool {
     ///     out.extend(piece.iter().map(|i| 2 * i));
     ///     Ok(())
     /// };
-    /// pool.by_pieces(&[3, 5, 4], double, &mut out)?;
+    /// pool.by_pieces(&[3, 5, 4], 1, double, &mut out)?;
     /// assert_eq!(out, [6, 10, 8]);
     /// # Ok::<(), MemoryError>(())
     /// ```
     pub fn by_pieces<T: Sync, R: Send, E: From<MemoryError> + Send>(
         &self,
         items: &[T],
+        least: usize,
         list: impl Fn(&[T], &mut Vec<R>) -> Result<(), E> + Sync,
         out: &mut Vec<R>,
     ) -> Result<(), E> {
-        if items.len() < 2 * CONTACTS {
+        if items.len() < 2 * least.max(1) {
             let before = out.len();
             let listed = with_default(|| list(items, out));
             if listed.is_err() {
@@ -166,7 +164,7 @@ impl Pool {
             }
             return listed;
         }
-        let size = items.len().div_ceil(PIECES * self.all_threads()).max(CONTACTS);
+        let size = items.len().div_ceil(PIECES * self.all_threads()).max(least);
         let mut pieces = Vec::new();
         reserve(&mut pieces, items.len().div_ceil(size))?;
         pieces.extend(items.chunks(size).map(|items| (items, Vec::new(), Ok(()))));

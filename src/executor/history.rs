@@ -13,6 +13,9 @@ use std::ops::ControlFlow;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
+/// Contacts, or what takes about as long, that take the time of a call to another thread: some 0.3 us each.
+pub(crate) const CONTACTS: usize = 64;
+
 /// The subjects of a query in a frame, as each kind of executor answers about them: a [`History`] chooses the executor, and
 /// calls the frame back with what that remembers, since pairs and scenes are brought to a GPU in different ways.
 pub(crate) trait Frame {
@@ -127,23 +130,25 @@ impl<N: Copy + Ord> History<N> {
             }
             Ok(())
         };
-        let listed = self.by_pieces(hits, list, out);
+        let listed = self.by_pieces(hits, CONTACTS, list, out);
         self.note_also(part.backend());
         listed
     }
 
-    /// Adds to `out`, in order, what `list` makes of pieces of some items, on the threads of the executor.
+    /// Adds to `out`, in order, what `list` makes of pieces of some items, on the threads of the executor if there are at least
+    /// twice as many as are worth a call.
     ///
     /// # Errors
     /// Every error of `list`. With several threads also [`Error::Memory`] and [`Error::Panicked`].
     pub(crate) fn by_pieces<T: Sync, R: Send>(
         &self,
         items: &[T],
+        least: usize,
         list: impl Fn(&[T], &mut Vec<R>) -> Result<(), Error> + Sync,
         out: &mut Vec<R>,
     ) -> Result<(), Error> {
         if let Some(pool) = &self.executor.pool {
-            return pool.by_pieces(items, list, out);
+            return pool.by_pieces(items, least, list, out);
         }
         list(items, out)
     }
@@ -184,7 +189,7 @@ impl<N: Copy + Ord> History<N> {
             Ok(())
         };
         let mut names = Vec::new();
-        self.by_pieces(subjects, list, &mut names)?;
+        self.by_pieces(subjects, CONTACTS, list, &mut names)?;
         Ok(names)
     }
 

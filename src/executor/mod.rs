@@ -91,7 +91,7 @@ pub(crate) use answer::{Answer, Named, Verb};
 pub(crate) use cancel::{BLOCK, SLICE, check, sort, visit};
 pub(crate) use cpu::{CpuHistory, step};
 pub(crate) use gpu::*;
-pub(crate) use history::{Frame, History};
+pub(crate) use history::{CONTACTS, Frame, History};
 pub(crate) use meeting::Meeting;
 pub(crate) use plan::CpuPart;
 pub use plan::{Backend, Plan, Reason};

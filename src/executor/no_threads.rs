@@ -32,6 +32,7 @@ impl NoPool {
     pub(crate) fn by_pieces<T, R>(
         &self,
         _: &[T],
+        _: usize,
         _: impl Fn(&[T], &mut Vec<R>) -> Result<(), Error>,
         _: &mut Vec<R>,
     ) -> Result<(), Error> {

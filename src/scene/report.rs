@@ -27,11 +27,11 @@ pub struct CheckedPair {
     pub relation: Option<Relation>,
     /// Whether the surfaces meet.
     pub meets: bool,
-    /// An interval that holds the common volume of bodies that cross, if neither meets itself.
+    /// An interval that holds the common volume, in the world, of bodies that cross, if neither meets itself where they do.
     pub overlap_volume: Option<[f64; 2]>,
-    /// An interval that holds the smallest distance of bodies that are near.
+    /// An interval that holds the smallest distance in the world of bodies that are near.
     pub gap: Option<[f64; 2]>,
-    /// A pair of triangles that shows the relation.
+    /// A pair of triangles that shows the relation; the nearest of bodies that are near.
     pub pair: Option<TrianglePair>,
     /// A point in the world where they meet.
     pub place: Option<[f64; 3]>,
@@ -42,9 +42,9 @@ pub struct CheckedPair {
 /// The relations of the bodies of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckReport {
-    /// Bodies that are no solids, and why.
+    /// Bodies whose boxes overlap others and that are no solids, and why.
     pub refused: Vec<(BodyId, NotSolid)>,
-    /// All pairs of bodies whose boxes overlap and that are not [ignored](crate::SceneQuery::ignore), sorted.
+    /// All pairs of bodies whose boxes and enclosing spheres overlap and that are not [ignored](crate::SceneQuery::ignore), sorted.
     pub pairs: Vec<CheckedPair>,
 }
 
