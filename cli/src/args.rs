@@ -377,10 +377,23 @@ pub(crate) struct Check {
     /// Print all pairs as CSV
     #[arg(long)]
     pub(crate) csv: bool,
+    /// Also write the bodies into a .ply file, with what is not allowed in colour: triangles of bodies that meet in red, gaps in yellow,
+    /// bodies inside others in blue
+    #[arg(long, value_name = "FILE", value_parser = picture)]
+    pub(crate) picture: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reading: Reading,
     #[command(flatten)]
     pub(crate) executor: ExecutorArgs,
+}
+
+/// The file of a picture.
+fn picture(path: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(path);
+    match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
+        true => Ok(path),
+        false => Err("a picture is a .ply file".to_owned()),
+    }
 }
 
 #[derive(Debug, Args)]

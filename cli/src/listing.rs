@@ -17,8 +17,8 @@ use std::iter::once;
 use std::path::Path;
 
 /// The colours of meshes in turn, and of triangles that meet.
-const PLAIN: [[u8; 3]; 2] = [[172, 182, 196], [206, 196, 170]];
-const HIT: [u8; 3] = [214, 40, 40];
+pub(crate) const PLAIN: [[u8; 3]; 2] = [[172, 182, 196], [206, 196, 170]];
+pub(crate) const HIT: [u8; 3] = [214, 40, 40];
 
 /// A mesh or a body, and where its triangles come from.
 pub(crate) struct Origin<'f> {
@@ -160,22 +160,23 @@ impl<'f> Found<'f> {
 
     fn paint(self, to: &mut impl Write, meshes: &[(Mesh<'_>, AnyPose)]) -> io::Result<String> {
         let mut marks: Vec<_> =
-            meshes.iter().map(|(mesh, _)| vec![false; mesh.triangles().len()]).collect();
+            meshes.iter().map(|(mesh, _)| vec![0; mesh.triangles().len()]).collect();
         let mut hits = 0;
         for Hit { origins: [a, b], pair, .. } in self.hits {
-            marks[a][pair.a as usize] = true;
-            marks[b][pair.b as usize] = true;
+            marks[a][pair.a as usize] = 1;
+            marks[b][pair.b as usize] = 1;
             hits += 1;
         }
         let is_f64 = meshes.iter().any(|(mesh, pose)| mesh.is_f64() || pose.is_f64());
         let posed: Vec<_> = meshes.iter().map(|(mesh, pose)| posed(*mesh, pose, is_f64)).collect();
-        let parts = meshes.iter().zip(&posed).zip(&marks).zip(PLAIN.into_iter().cycle());
+        let colours = PLAIN.map(|plain| [plain, HIT]);
+        let parts = meshes.iter().zip(&posed).zip(&marks).zip(colours.iter().cycle());
         let painted: Vec<_> = parts
-            .map(|((((mesh, _), positions), hit), plain)| PaintedMesh {
+            .map(|((((mesh, _), positions), marks), colours)| PaintedMesh {
                 positions,
                 triangles: mesh.triangles(),
-                hit,
-                colours: [plain, HIT],
+                marks,
+                colours,
             })
             .collect();
         write_painted(to, &painted)?;
@@ -300,7 +301,7 @@ fn begin_json(to: &mut impl Write, files: &[FileRow], within: Option<f32>) -> io
 }
 
 /// The positions of a mesh as it is posed, in f64 if that is so of its query.
-fn posed(mesh: Mesh<'_>, pose: &AnyPose, is_f64: bool) -> Vec<[f64; 3]> {
+pub(crate) fn posed(mesh: Mesh<'_>, pose: &AnyPose, is_f64: bool) -> Vec<[f64; 3]> {
     match (pose, mesh.positions_f64()) {
         (AnyPose::F32(pose), None) if !is_f64 => {
             mesh.shadow().iter().map(|&p| pose.apply(p).map(f64::from)).collect()
@@ -413,6 +414,6 @@ fn quoted(word: &str) -> Cow<'_, str> {
 const COORDINATES: [&str; 12] =
     ["x0", "y0", "z0", "x1", "y1", "z1", "nx_a", "ny_a", "nz_a", "nx_b", "ny_b", "nz_b"];
 
-fn count(number: usize, what: &str) -> String {
+pub(crate) fn count(number: usize, what: &str) -> String {
     format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }

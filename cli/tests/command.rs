@@ -4,6 +4,8 @@
 
 #[path = "command/bake.rs"]
 mod bake;
+#[path = "command/check.rs"]
+mod check;
 #[path = "command/gpu.rs"]
 mod gpu;
 #[path = "command/input.rs"]

@@ -9,10 +9,10 @@ pub struct PaintedMesh<'m> {
     pub positions: &'m [[f64; 3]],
     /// Three vertex indices per triangle, in range.
     pub triangles: &'m [[u32; 3]],
-    /// The triangles that are marked, one entry for each.
-    pub hit: &'m [bool],
-    /// Red, green and blue of triangles without and with a mark.
-    pub colours: [[u8; 3]; 2],
+    /// The mark of each triangle, a place in the colours, of which the last stands for all farther ones.
+    pub marks: &'m [u8],
+    /// Red, green and blue by marks. Without any, all triangles are black.
+    pub colours: &'m [[u8; 3]],
 }
 
 /// Writes meshes as one PLY file, of floats if these hold every coordinate, else of doubles. Each triangle has three vertices of its own, since viewers colour
@@ -36,7 +36,9 @@ pub fn write_painted(to: &mut impl Write, meshes: &[PaintedMesh<'_>]) -> io::Res
         3 * triangles
     )?;
     for mesh in meshes {
-        for (triangle, &hit) in mesh.triangles.iter().zip(mesh.hit) {
+        let last = mesh.colours.last().copied().unwrap_or_default();
+        for (triangle, &mark) in mesh.triangles.iter().zip(mesh.marks) {
+            let colour = mesh.colours.get(usize::from(mark)).copied().unwrap_or(last);
             for &v in triangle {
                 for x in mesh.positions[v as usize] {
                     if in_f32 {
@@ -45,7 +47,7 @@ pub fn write_painted(to: &mut impl Write, meshes: &[PaintedMesh<'_>]) -> io::Res
                         to.write_all(&x.to_le_bytes())?;
                     }
                 }
-                to.write_all(&mesh.colours[usize::from(hit)])?;
+                to.write_all(&colour)?;
             }
         }
     }

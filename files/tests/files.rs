@@ -294,8 +294,8 @@ fn painted_meshes_come_back() {
     let mesh = PaintedMesh {
         positions: &POSITIONS.map(|p| p.map(f64::from)),
         triangles: &QUAD,
-        hit: &[false, true],
-        colours: [[1, 2, 3], [4, 5, 6]],
+        marks: &[0, 9],
+        colours: &[[1, 2, 3], [4, 5, 6]],
     };
     write_painted(&mut fs::File::create(&path).unwrap(), &[mesh, mesh]).unwrap();
     let read = read_f32(&path).unwrap();

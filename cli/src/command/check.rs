@@ -3,17 +3,18 @@
 use super::scene::{Part, body_name, split};
 use super::{check_files, read};
 use crate::args::Check;
+use crate::listing::{HIT, PLAIN, count, posed};
 use crate::progress::shown;
 use anyhow::{Context, Result, bail, ensure};
 use pfront::{Allowed, BodyId, CheckReport, CheckedPair, Pose, Relation, SceneQuery};
 use pfront_cli::json::{VERSION, write_json};
-use pfront_cli::output::out;
+use pfront_cli::output::{Draft, out};
 use pfront_files::escape::escaped;
-use pfront_files::name_apart;
+use pfront_files::{PaintedMesh, name_apart, write_painted};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use wildmatch::WildMatch;
 
@@ -22,7 +23,8 @@ type Names = BTreeMap<BodyId, String>;
 
 pub(crate) fn run(asked: &Check) -> Result<bool> {
     let Check { meshes, ignore, reading, executor, .. } = asked;
-    check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), None)?;
+    let picture = asked.picture.as_deref();
+    check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), picture)?;
     let mut scene = SceneQuery::new().on(&executor.open()?);
     scene.within(asked.clearance.unwrap_or(0.0))?;
     let (mut parts, (of_files, distance)) = (Vec::new(), reading.bodies_apart());
@@ -55,6 +57,9 @@ pub(crate) fn run(asked: &Check) -> Result<bool> {
     let report = shown("checking the bodies".to_owned(), || anyhow::Ok(scene.check(&allowed)?))?;
     for (id, error) in &report.refused {
         eprintln!("{}: no solid: {error}", escaped(&names[id]));
+    }
+    if let Some(path) = picture {
+        shown("drawing".to_owned(), || draw(&mut scene, &report, path))?;
     }
     match (asked.json, asked.csv) {
         (true, _) => write_json(&mut out(), &as_json(&report, &names, &triangles))?,
@@ -179,7 +184,61 @@ fn write_text(report: &CheckReport, names: &Names) -> Result<()> {
         writeln!(out)?;
     }
     let refused = report.pairs.iter().filter(|pair| !pair.is_allowed).count();
-    let [bodies, pairs] = [names.len(), report.pairs.len()];
-    writeln!(out, "{bodies} bodies, {pairs} pairs whose boxes overlap, {refused} not allowed")?;
+    let (bodies, pairs) = (names.len(), count(report.pairs.len(), "pair"));
+    let bodies = if bodies == 1 { "1 body".to_owned() } else { format!("{bodies} bodies") };
+    writeln!(out, "{bodies}, {pairs} of them whose boxes overlap, {refused} not allowed")?;
     Ok(())
+}
+
+/// Colours of triangles of bodies that meet, that are near each other, and of bodies inside others, where that is not allowed.
+const COLOURS: [[u8; 3]; 4] = [PLAIN[0], HIT, [232, 190, 40], [60, 90, 220]];
+
+/// Writes all bodies as a PLY file.
+fn draw(scene: &mut SceneQuery, report: &CheckReport, path: &Path) -> Result<()> {
+    let not_allowed: BTreeMap<_, _> = report
+        .pairs
+        .iter()
+        .filter(|pair| !pair.is_allowed)
+        .map(|pair| (pair.bodies, pair.relation))
+        .collect();
+    let mut marks: BTreeMap<BodyId, Vec<u8>> = scene
+        .bodies()
+        .map(|body| (body.id(), vec![0; body.model().mesh().triangles().len()]))
+        .collect();
+    for (bodies, relation) in &not_allowed {
+        let inner = match relation {
+            Some(Relation::AInB) => bodies[0],
+            Some(Relation::BInA) => bodies[1],
+            _ => continue,
+        };
+        marks.entry(inner).and_modify(|marks| marks.fill(3));
+    }
+    for hit in scene.all()? {
+        let Some(relation) = not_allowed.get(&hit.bodies) else { continue };
+        let mark = if *relation == Some(Relation::Near) { 2 } else { 1 };
+        for (body, triangle) in hit.bodies.into_iter().zip([hit.pair.a, hit.pair.b]) {
+            if let Some(marks) = marks.get_mut(&body) {
+                let own = &mut marks[triangle as usize];
+                *own = if *own == 1 { 1 } else { mark };
+            }
+        }
+    }
+    let is_f64 = scene.bodies().any(|body| body.model().is_f64());
+    let bodies: Vec<_> = scene
+        .bodies()
+        .map(|body| (body, posed(body.model().mesh(), &body.pose(), is_f64)))
+        .collect();
+    let painted: Vec<_> = bodies
+        .iter()
+        .map(|(body, positions)| PaintedMesh {
+            positions,
+            triangles: body.model().mesh().triangles(),
+            marks: &marks[&body.id()],
+            colours: &COLOURS,
+        })
+        .collect();
+    let mut file = Draft::new(path)?;
+    write_painted(&mut file, &painted)
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    file.finish()
 }
