@@ -291,3 +291,58 @@ fn one_rings() {
     certify(None);
     certify(Some(&one_after_the_other));
 }
+
+/// Solids that are flush, so that pictures and integers decide, on axes of sizes far apart.
+#[cfg(feature = "relation")]
+#[test]
+fn relations() {
+    use pfront_core::relation::*;
+    use pfront_testkit::rng::seeded;
+    let mut rng = seeded(71);
+    for round in 0..24 {
+        let sizes = [[1.0; 3], [1e12, 1.0, 1e-12], [1e30, 1.0, 1e-30]][round % 3];
+        let mut solids = pfront_testkit::solids::pair(&mut rng)
+            .map(|solid| solid.mesh(false, &mut rng).map(|p| [0, 1, 2].map(|k| p[k] * sizes[k])));
+        if round % 2 == 0 {
+            solids[1] = solids[0].clone();
+        }
+        let trees = solids.each_ref().map(|soup| {
+            let count = soup.triangles.len();
+            let (nodes, order) = (vec![Node::EMPTY; node_bound(count)], vec![0; count]);
+            let mut tree = Tree { nodes, order };
+            let mut keys = vec![0; 2 * count];
+            morton(mesh(soup), &BuildOptions::default(), tree.storage(), &mut keys).unwrap();
+            (tree, count, soup.positions.len())
+        });
+        let words = [0, 1].map(|i| {
+            let (tree, count, vertices) = &trees[i];
+            let bvh = Bvh::new_unchecked(mesh(&solids[i]), &tree.nodes, &tree.order);
+            let mut words = vec![0; solid_bound(*vertices, *count)];
+            let mut scratch = vec![0; solid_scratch_bound(*vertices, *count)];
+            check("Solid::new", || _ = Solid::new(bvh, &mut words, &mut scratch).unwrap());
+            (bvh, words)
+        });
+        let [a, b] = words.each_ref().map(|(bvh, words)| Solid::new_unchecked(*bvh, words));
+        let ask = |query: &RelationQuery<'_>| {
+            let mut lines = vec![0; seen_bound(query.patches())];
+            black_box(query.relation(&mut lines)).unwrap();
+            let mut overlap = Overlap::new(query);
+            let _ = query.pairs().visit(&mut query.pairs().start(), |pair| {
+                overlap.add(pair);
+                Continue(())
+            });
+            black_box(overlap.conclude()).unwrap();
+        };
+        let moved = Pose::from_translation([0.5, 0.25, 0.125]);
+        for pose in [Pose::IDENTITY, moved, turned()] {
+            let Ok(query) = RelationQuery::new(&a, &b, pose) else { continue };
+            check("RelationQuery", || ask(&query));
+            #[cfg(feature = "f64")]
+            {
+                let query = PairBvtt::in_f64(a.bvh(), b.bvh(), &pose.into()).unwrap();
+                let query = RelationQuery::of_pair(query, &a, &b);
+                check("RelationQuery in f64", || ask(&query));
+            }
+        }
+    }
+}
