@@ -23,7 +23,7 @@ impl Default for Allowed {
 pub struct CheckedPair {
     /// The bodies, that which was added first before the other.
     pub bodies: [BodyId; 2],
-    /// The relation; `None` if it is undetermined, or a body is no solid.
+    /// The relation; `None` if it is undetermined, a body is no solid, or the pose of the first has no inverse.
     pub relation: Option<Relation>,
     /// Whether the surfaces meet.
     pub meets: bool,
