@@ -5,6 +5,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
+use glam::Vec3;
 use pfront::{Allowed, Executor, Model, PairQuery, Pose, Relation, SceneQuery, Solid};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::seeded;
@@ -19,8 +20,9 @@ const TRIANGLES: usize = if cfg!(debug_assertions) { 5_000 } else { 800_000 };
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 15 };
 /// Parts along each axis of the scene.
 const PARTS: u16 = if cfg!(debug_assertions) { 3 } else { 10 };
-/// Cells along an edge of two plates that lie flush.
-const CELLS: i32 = if cfg!(debug_assertions) { 5 } else { 34 };
+/// Cells along an edge of a ball, and of two plates that lie flush.
+const BALL: i32 = if cfg!(debug_assertions) { 4 } else { 60 };
+const CELLS: i32 = if cfg!(debug_assertions) { 5 } else { 19 };
 
 fn main() {
     let file = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
@@ -50,9 +52,19 @@ fn main() {
     let [a, b] = [plate(0), plate(1)];
     compare("flush plates", [&a, &b], Pose::IDENTITY, Some(Relation::Touching));
 
-    let [inner, outer] = [0.5, 1.0].map(|r| solid(sphere(200).map(|p| p.map(|x| x * r))));
+    let [inner, outer] = [0.5, 1.0].map(|r| solid(ball(r)));
     compare("one inside the other", [&inner, &outer], Pose::IDENTITY, Some(Relation::AInB));
     check();
+}
+
+/// The surface of a cube of many cells, blown up to a sphere.
+fn ball(radius: f32) -> MeshData {
+    let blocks = cells_of_box([BALL; 3]).collect();
+    let cube = Blocks { size: [1; 3], offset: [0; 3], blocks }.mesh(false, &mut seeded(8));
+    cube.map(|p| {
+        let from = Vec3::from_array(p) - 0.5 * BALL as f32;
+        (from.normalize() * radius).to_array()
+    })
 }
 
 fn solid(mesh: MeshData) -> Solid {

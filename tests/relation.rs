@@ -215,7 +215,7 @@ fn a_check_measures_in_the_world() {
     }
 }
 
-/// What is no solid is told with its edge, is not allowed where it meets another, and its pairs have no relation.
+/// A body that is no solid is told with its edge, and its pairs have no relation and are not allowed.
 #[test]
 fn a_check_refuses_open_bodies() {
     use pfront::{Allowed, NotSolid, SceneQuery};

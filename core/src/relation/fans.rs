@@ -14,19 +14,33 @@ pub(super) fn edge_of(corners: &[[u32; 3]], half_edge: u32) -> ([u32; 2], bool) 
     if from < to { ([from, to], true) } else { ([to, from], false) }
 }
 
-/// Writes the half-edges of all triangles with three different vertices, sorted by their edges, and returns how many there are.
-pub(super) fn sort_by_edge(corners: &[[u32; 3]], out: &mut [u32]) -> usize {
+/// Writes the half-edges of all triangles with three different vertices, sorted by their edges, and returns how many there are. Takes
+/// a word for each vertex: those of a vertex that is the lower of the two are few, and gathered first.
+pub(super) fn sort_by_edge(corners: &[[u32; 3]], ends: &mut [u32], out: &mut [u32]) -> usize {
+    let half_edges = || {
+        let are_different = |&(_, &[p, q, r]): &(u32, &[u32; 3])| p != q && q != r && r != p;
+        let of = |(triangle, _)| (0..3).map(move |k| 3 * triangle + k);
+        (0..).zip(corners).filter(are_different).flat_map(of)
+    };
+    let lower = |half_edge: u32| edge_of(corners, half_edge).0[0] as usize;
+    ends.fill(0);
+    half_edges().for_each(|half_edge| ends[lower(half_edge)] += 1);
     let mut len = 0;
-    for (triangle, &[p, q, r]) in corners.iter().enumerate() {
-        if p != q && q != r && r != p {
-            for k in 0..3 {
-                out[len] = (3 * triangle + k) as u32;
-                len += 1;
-            }
-        }
+    for end in &mut *ends {
+        (len, *end) = (len + *end, len);
     }
-    out[..len].sort_unstable_by_key(|&half_edge| (edge_of(corners, half_edge).0, half_edge));
-    len
+    for half_edge in half_edges() {
+        let end = &mut ends[lower(half_edge)];
+        out[*end as usize] = half_edge;
+        *end += 1;
+    }
+    let mut begin = 0;
+    for &end in &*ends {
+        let of_one = &mut out[begin..end as usize];
+        of_one.sort_unstable_by_key(|&half_edge| (edge_of(corners, half_edge).0[1], half_edge));
+        begin = end as usize;
+    }
+    len as usize
 }
 
 /// Links the half-edges of one edge to a ring, in order.

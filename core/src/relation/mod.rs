@@ -23,6 +23,7 @@
 //! oriented alike, with an odd one: see [`Rule`].
 
 mod ball;
+mod build;
 mod cones;
 mod fans;
 mod picture;
@@ -31,6 +32,7 @@ mod ray;
 mod solid;
 #[cfg(test)]
 mod tests;
+mod trees;
 mod volume;
 
 pub use query::{RelationQuery, Seen, seen_bound};

@@ -2,8 +2,8 @@
 
 use super::fans::{Bits, edge_of, fan};
 use super::picture::{HalfPlane, Picture, Run, run};
-use super::ray::{Posed, winding};
-use super::solid::{DEGENERATE, MARKED, own_winding};
+use super::ray::{Posed, own_winding, winding};
+use super::solid::{DEGENERATE, MARKED};
 use super::{Between, Relation, Solid};
 use crate::bvtt::{PairBvtt, Query, TrianglePair};
 use crate::exact::Exact;

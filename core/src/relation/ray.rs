@@ -92,6 +92,22 @@ pub(super) fn winding<C: Posed>(
     Ok(if from == of && seen.turn < 0 { winding - 1 } else { winding })
 }
 
+/// The winding number in front of a triangle of a side of a query.
+///
+/// # Errors
+/// [`OnSurface`]; never for an unmarked triangle that is not posed.
+pub(super) fn own_winding(
+    query: &PairBvtt<'_>,
+    side: usize,
+    triangle: u32,
+) -> Result<i32, OnSurface> {
+    let of = [side; 2];
+    match query.is_f64() {
+        false => winding::<f32>(query, of, triangle),
+        true => winding::<f64>(query, of, triangle),
+    }
+}
+
 /// The first sign other than 0.
 fn first_other_than_0<P>(points: &[P; 3], sign: impl FnMut(&P) -> i32) -> i32 {
     points.iter().map(sign).find(|&sign| sign != 0).unwrap_or(0)

@@ -1,13 +1,8 @@
 //! A closed mesh, with what has to be known of it once.
 
-use super::cones::{self, Cones, write_cones};
-use super::fans::{Bits, Sets, edge_of, link, sort_by_edge};
-use super::ray::{OnSurface, winding};
-use crate::bvtt::{PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair};
-use crate::exact::Exact;
-use crate::triangle::projection;
-use crate::{Bvh, CapacityError, Mesh};
-use core::ops::ControlFlow;
+use super::cones::{self, Cones};
+use crate::bvtt::TrianglePair;
+use crate::{Bvh, CapacityError};
 
 /// The rule for the interior of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,7 +54,7 @@ pub const fn solid_scratch_bound(vertices: usize, triangles: usize) -> usize {
 }
 
 /// Words before the lists: how many patches there are, the rule, and the lowest pair that meets itself.
-const HEADER: usize = 4;
+pub(super) const HEADER: usize = 4;
 
 /// The patch of a degenerate triangle.
 pub(super) const DEGENERATE: u32 = u32::MAX;
@@ -100,66 +95,6 @@ pub struct Solid<'a> {
 }
 
 impl<'a> Solid<'a> {
-    /// Finds what has to be known of a mesh: once, as long as neither its triangles nor its positions change.
-    ///
-    /// # Errors
-    /// [`NotSolid`] names the triangle; or the buffer, which [`solid_bound`] and [`solid_scratch_bound`] measure.
-    ///
-    /// # Complexity
-    /// O(n log n), a self query, and a ray for each patch, which takes as long as what it meets is much; an edge of k triangles takes
-    /// O(k²).
-    pub fn new(bvh: Bvh<'a>, words: &'a mut [u32], scratch: &mut [u32]) -> Result<Self, NotSolid> {
-        let (mesh, n) = (bvh.mesh(), bvh.mesh().triangles().len());
-        let vertices = mesh.vertex_count();
-        // Half-edges have numbers, and vertices 31 bits.
-        CapacityError::check("triangles of a solid", n, u32::MAX as usize / 3)?;
-        CapacityError::check("vertices of a solid", vertices, cones::ROOT as usize)?;
-        CapacityError::check("words", solid_bound(vertices, n), words.len())?;
-        CapacityError::check("scratch", solid_scratch_bound(vertices, n), scratch.len())?;
-        let words = &mut words[..solid_bound(vertices, n)];
-        let (first, cones) = words.split_at_mut(HEADER + 9 * n);
-        let (header, lists) = first.split_at_mut(HEADER);
-        let (corners, lists) = lists.split_at_mut(3 * n);
-        let (next, lists) = lists.split_at_mut(3 * n);
-        let (patch_of, patches) = lists.split_at_mut(n);
-        let (weld, scratch) = scratch.split_at_mut(2 * vertices);
-        let (half_edges, scratch) = scratch.split_at_mut(3 * n);
-        let mut marks = Bits(&mut scratch[..n.div_ceil(32)]);
-        marks.0.fill(0);
-
-        let (corners, _) = corners.as_chunks_mut();
-        weld_corners(mesh, weld, corners);
-        let len = sort_by_edge(corners, half_edges);
-        let rule = rule(corners, &half_edges[..len])?;
-        mark_degenerate(mesh, patch_of);
-        link_fans(corners, &half_edges[..len], rule, patch_of, next, &mut marks);
-        let lowest = mark_hits(&bvh, corners, patch_of, &mut marks);
-        let count = join_patches(corners, next, &marks, patch_of, patches);
-        header[..2].copy_from_slice(&[count as u32, u32::from(rule == Rule::Odd)]);
-        let first_mark =
-            || (0..n as u32).find(|&t| marks.has(t)).map(|t| TrianglePair { a: t, b: t });
-        let lowest = lowest.or_else(first_mark);
-        let marked = lowest.unwrap_or(TrianglePair { a: u32::MAX, b: u32::MAX });
-        header[2..].copy_from_slice(&[marked.a, marked.b]);
-        let mut has_volume = false;
-        let itself = PairBvtt::in_world(PosedBvh::unposed(bvh), PosedBvh::unposed(bvh));
-        for patch in patches[..2 * count].chunks_exact_mut(2) {
-            if patch_of[patch[0] as usize] & MARKED == 0 {
-                let front = own_winding(&itself, 0, patch[0]).unwrap_or(0);
-                patch[1] = front as u32;
-                has_volume |= rule.is_inside(front) != rule.is_inside(front + 1);
-            }
-        }
-        match lowest {
-            _ if has_volume => {}
-            Some(pair) => return Err(NotSolid::MeetsItself { pair }),
-            None => return Err(NotSolid::NoVolume),
-        }
-        marks.0.fill(0);
-        write_cones(&Solid { bvh, words: first }, cones, [weld, half_edges], &mut marks);
-        Ok(Self { bvh, words })
-    }
-
     /// The solid of words that [`Solid::new`] has written about the same mesh, without checking them.
     ///
     /// # Panics and wrong answers
@@ -250,172 +185,4 @@ impl Rule {
             Self::Odd => winding & 1 != 0,
         }
     }
-}
-
-/// The winding number in front of a triangle of a side of a query.
-///
-/// # Errors
-/// [`OnSurface`]; never for an unmarked triangle that is not posed.
-pub(super) fn own_winding(
-    query: &PairBvtt<'_>,
-    side: usize,
-    triangle: u32,
-) -> Result<i32, OnSurface> {
-    let of = [side; 2];
-    match query.is_f64() {
-        false => winding::<f32>(query, of, triangle),
-        true => winding::<f64>(query, of, triangle),
-    }
-}
-
-/// Writes the corners with each position's lowest vertex.
-fn weld_corners(mesh: Mesh<'_>, scratch: &mut [u32], corners: &mut [[u32; 3]]) {
-    let (order, lowest) = scratch.split_at_mut(mesh.vertex_count());
-    (0..).zip(&mut *order).for_each(|(vertex, slot)| *slot = vertex);
-    // Adding 0 makes −0 and 0 the same to the bit, and so in a total order.
-    let key = |vertex: u32| mesh.position_f64(vertex).map(|x| x + 0.0);
-    let compare = |p: &[f64; 3], q: &[f64; 3]| {
-        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(p[2].total_cmp(&q[2]))
-    };
-    order.sort_unstable_by(|&v, &w| compare(&key(v), &key(w)).then(v.cmp(&w)));
-    for alike in order.chunk_by(|&v, &w| key(v) == key(w)) {
-        alike.iter().for_each(|&vertex| lowest[vertex as usize] = alike[0]);
-    }
-    for (own, triangle) in corners.iter_mut().zip(mesh.triangles()) {
-        *own = triangle.map(|vertex| lowest[vertex as usize]);
-    }
-}
-
-/// Half-edges of one edge after another.
-fn by_edge<'s>(corners: &'s [[u32; 3]], half_edges: &'s [u32]) -> impl Iterator<Item = &'s [u32]> {
-    half_edges.chunk_by(|&x, &y| edge_of(corners, x).0 == edge_of(corners, y).0)
-}
-
-/// By how much more half-edges run from the lower vertex to the higher than the other way.
-fn excess(corners: &[[u32; 3]], half_edges: impl Iterator<Item = u32>) -> i32 {
-    half_edges.map(|half_edge| if edge_of(corners, half_edge).1 { 1 } else { -1 }).sum()
-}
-
-fn rule(corners: &[[u32; 3]], half_edges: &[u32]) -> Result<Rule, NotSolid> {
-    let mut rule = Rule::NonZero;
-    let mut open: Option<u32> = None;
-    for fan in by_edge(corners, half_edges) {
-        if fan.len() % 2 != 0 {
-            open = Some(open.map_or(fan[0], |open| open.min(fan[0])));
-        } else if excess(corners, fan.iter().copied()) != 0 {
-            rule = Rule::Odd;
-        }
-    }
-    match open {
-        Some(half_edge) => Err(NotSolid::OpenEdge { triangle: half_edge / 3, edge: half_edge % 3 }),
-        None => Ok(rule),
-    }
-}
-
-/// Writes [`DEGENERATE`] for triangles of no area, and 0 for others.
-fn mark_degenerate(mesh: Mesh<'_>, patch_of: &mut [u32]) {
-    for (triangle, patch) in (0..).zip(patch_of) {
-        let has_area = match mesh.is_f64() {
-            false => projection::<Exact<f32>>(&mesh.shadow_triangle(triangle)).flatten().is_some(),
-            true => projection::<Exact<f64>>(&mesh.triangle_f64(triangle)).flatten().is_some(),
-        };
-        *patch = if has_area { 0 } else { DEGENERATE };
-    }
-}
-
-/// Links the fans of triangles with areas, and marks those at edges that are open without the others.
-fn link_fans(
-    corners: &[[u32; 3]],
-    half_edges: &[u32],
-    rule: Rule,
-    patch_of: &[u32],
-    next: &mut [u32],
-    marks: &mut Bits<'_>,
-) {
-    (0..).zip(&mut *next).for_each(|(half_edge, next)| *next = half_edge);
-    for fan in by_edge(corners, half_edges) {
-        let with_area =
-            fan.iter().copied().filter(|&half_edge| patch_of[half_edge as usize / 3] == 0);
-        link(with_area.clone(), next);
-        let is_balanced = match rule {
-            Rule::NonZero => excess(corners, with_area.clone()) == 0,
-            Rule::Odd => with_area.clone().count() % 2 == 0,
-        };
-        if !is_balanced {
-            with_area.for_each(|half_edge| marks.set(half_edge / 3));
-        }
-    }
-}
-
-/// Marks triangles that meet their mesh beyond the corners that they share. Returns the lowest pair.
-fn mark_hits(
-    bvh: &Bvh<'_>,
-    corners: &[[u32; 3]],
-    patch_of: &[u32],
-    marks: &mut Bits<'_>,
-) -> Option<TrianglePair> {
-    let welded = Bvh::new_unchecked(bvh.mesh().with_triangles(corners), bvh.nodes(), bvh.order());
-    let (query, mut lowest) = (SelfBvtt::new(welded), None);
-    let _ = query.visit(&mut query.start(), |pair| {
-        if patch_of[pair.a as usize] == 0 && patch_of[pair.b as usize] == 0 {
-            marks.set_pair(pair);
-            lowest = Some(lowest.map_or(pair, |lowest: TrianglePair| lowest.min(pair)));
-        }
-        ControlFlow::Continue(())
-    });
-    lowest
-}
-
-/// Joins triangles to patches, numbers these, and writes a triangle of each. Returns how many there are.
-///
-/// Unmarked triangles are joined where two share an edge alone, and are oriented alike; marked ones over all edges.
-fn join_patches(
-    corners: &[[u32; 3]],
-    next: &[u32],
-    marks: &Bits<'_>,
-    patch_of: &mut [u32],
-    patches: &mut [u32],
-) -> usize {
-    let n = corners.len();
-    // Parents overlap neither with numbers nor with what is degenerate.
-    let mut sets = Sets(&mut patches[..n]);
-    (0..).zip(&mut *sets.0).for_each(|(triangle, parent)| *parent = triangle);
-    for half_edge in 0..3 * n as u32 {
-        let own = half_edge / 3;
-        if patch_of[own as usize] == DEGENERATE {
-            continue;
-        }
-        let other = next[half_edge as usize];
-        let is_joined = if marks.has(own) {
-            marks.has(other / 3)
-        } else {
-            let is_alike = edge_of(corners, half_edge).1 != edge_of(corners, other).1;
-            let is_pair = next[other as usize] == half_edge && other != half_edge;
-            is_pair && is_alike && !marks.has(other / 3)
-        };
-        if is_joined {
-            sets.join(own, other / 3);
-        }
-    }
-    let mut count = 0;
-    for triangle in 0..n as u32 {
-        let root = sets.root(triangle);
-        if patch_of[triangle as usize] == DEGENERATE {
-            continue;
-        }
-        // Roots are the lowest of their sets, and have their numbers already.
-        patch_of[triangle as usize] = if root == triangle {
-            count += 1;
-            (count - 1) | if marks.has(triangle) { MARKED } else { 0 }
-        } else {
-            patch_of[root as usize]
-        };
-    }
-    for triangle in (0..n as u32).rev() {
-        let patch = patch_of[triangle as usize];
-        if patch != DEGENERATE {
-            patches[2 * (patch & !MARKED) as usize] = triangle;
-        }
-    }
-    count as usize
 }
