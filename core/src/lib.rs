@@ -20,7 +20,7 @@
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours;
-//! - [`relation`]: what two solids are to each other.
+//! - [`relation`]: what two solids are to each other, and where a point is; [`segment`]: what a segment meets.
 //!
 //! # Guarantees
 //! - **Exact.** A query finds the pairs of closed triangles that intersect, no more and no fewer, for the positions given, in
@@ -174,6 +174,8 @@ pub mod pose;
 #[cfg(feature = "relation")]
 pub mod relation;
 mod scalar;
+#[cfg(feature = "relation")]
+pub mod segment;
 mod simd;
 mod sort;
 pub mod triangle;

@@ -101,6 +101,16 @@ impl Blocks {
     }
 }
 
+/// Whether a point, given by twice its coordinates, is in the interior of a set of cells; `None` if it is on the surface.
+pub fn is_inside(cells: &BTreeSet<Cell>, doubled: Cell) -> Option<bool> {
+    // On the border of two cells along an axis it belongs to both.
+    let lowest = doubled.map(|x| (x - 1).div_euclid(2));
+    let extent = doubled.map(|x| if x % 2 == 0 { 2 } else { 1 });
+    let mut near = cells_of_box(extent).map(|cell| cells.contains(&plus(lowest, cell)));
+    let first = near.next()?;
+    near.all(|other| other == first).then_some(first)
+}
+
 /// The lattice points on the surface of a set of cells.
 fn surface(cells: &BTreeSet<Cell>) -> BTreeSet<Cell> {
     let mut points = BTreeSet::new();

@@ -55,6 +55,31 @@ pub(crate) fn orient3d_ratio<C: Scalar>([a, b, c]: [&[C; 3]; 3], p: &[C; 3], q: 
     if fit::<C, _>(&axes) { ratio::<LIMBS>(&axes) } else { ratio::<LIMBS_IN_F64>(&axes) }
 }
 
+/// How a parameter compares with another, exactly: each is d / (d − e), for determinants d and e as [`orient3d_ratio`] has them, d ≠ e.
+#[cfg(feature = "relation")]
+#[cold]
+#[inline(never)]
+pub(crate) fn compare_orient3d_ratios(
+    first: [&[f64; 3]; 5],
+    second: [&[f64; 3]; 5],
+) -> core::cmp::Ordering {
+    /// d0 / (d0 − e0) < d1 / (d1 − e1) where d1 · e0 < d0 · e1, if both denominators are positive.
+    fn compare<const L: usize, const PRODUCT: usize>(axes: &[[Axis<5>; 3]; 2]) -> i32 {
+        let axes = axes.each_ref().map(differences::<L, 5>);
+        let [d0, d1] = axes.each_ref().map(determinant::<L, 5, 3>);
+        let [e0, e1] = axes.each_ref().map(determinant::<L, 5, 4>);
+        let signs = (d0 - e0).sign() * (d1 - e1).sign();
+        let [d0, d1, e0, e1] = [d0, d1, e0, e1].map(Wide::widened::<PRODUCT>);
+        (d1 * e0 - d0 * e1).sign() * signs
+    }
+    let axes = [first, second].map(|points| by_axis(points).map(Axis::new));
+    let sign = match axes.iter().all(fit::<f64, 5>) {
+        true => compare::<LIMBS, { 2 * LIMBS }>(&axes),
+        false => compare::<LIMBS_IN_F64, { 2 * LIMBS_IN_F64 }>(&axes),
+    };
+    sign.cmp(&0)
+}
+
 /// The direction of (b − a) × (c − a), each component within 2^-48 of the largest; zero if and only if the triangle is
 /// degenerate.
 #[cold]

@@ -28,6 +28,14 @@ impl<const N: usize> Wide<N> {
         Self { limbs, is_negative: value < 0 }
     }
 
+    /// The same in M limbs, of which there are no fewer.
+    #[cfg(feature = "relation")]
+    pub(super) fn widened<const M: usize>(self) -> Wide<M> {
+        let mut limbs = [0; M];
+        limbs[..N].copy_from_slice(&self.limbs);
+        Wide { limbs, is_negative: self.is_negative }
+    }
+
     /// How many limbs are in use.
     pub(super) fn len(&self) -> usize {
         N - self.limbs.iter().rev().take_while(|&&limb| limb == 0).count()

@@ -74,6 +74,42 @@ impl<'a> Solid<'a> {
     }
 }
 
+impl Rule {
+    /// The rule of a mesh that is closed, whatever else there is to know of it before it is a [`Solid`]. Takes 2 words of scratch memory a
+    /// vertex and 6 a triangle.
+    ///
+    /// # Errors
+    /// [`NotSolid::OpenEdge`], or [`NotSolid::Capacity`].
+    ///
+    /// # Complexity
+    /// O(n log n).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::relation::{NotSolid, Rule};
+    /// use pfront_core::Mesh;
+    /// let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// let mut scratch = [0; 2 * 4 + 6 * 4];
+    /// assert_eq!(Rule::of(Mesh::new(&corners, &triangles)?, &mut scratch), Ok(Rule::NonZero));
+    /// let open = Rule::of(Mesh::new(&corners, &triangles[..3])?, &mut scratch);
+    /// assert_eq!(open, Err(NotSolid::OpenEdge { triangle: 0, edge: 1 }));
+    /// # Ok::<(), pfront_core::MeshError>(())
+    /// ```
+    pub fn of(mesh: Mesh<'_>, scratch: &mut [u32]) -> Result<Self, NotSolid> {
+        let (vertices, n) = (mesh.vertex_count(), mesh.triangles().len());
+        CapacityError::check("triangles of a solid", n, u32::MAX as usize / 3)?;
+        CapacityError::check("scratch", 2 * vertices + 6 * n, scratch.len())?;
+        let (weld, scratch) = scratch.split_at_mut(2 * vertices);
+        let (corners, scratch) = scratch.split_at_mut(3 * n);
+        let (corners, _) = corners.as_chunks_mut();
+        weld_corners(mesh, weld, corners);
+        let half_edges = &mut scratch[..3 * n];
+        let len = sort_by_edge(corners, &mut weld[..vertices], half_edges);
+        rule(corners, &half_edges[..len])
+    }
+}
+
 /// Writes the corners with each position's lowest vertex.
 fn weld_corners(mesh: Mesh<'_>, scratch: &mut [u32], corners: &mut [[u32; 3]]) {
     let (order, lowest) = scratch.split_at_mut(mesh.vertex_count());

@@ -26,6 +26,7 @@ mod ball;
 mod build;
 mod cones;
 mod fans;
+mod inside;
 mod picture;
 mod query;
 mod ray;
@@ -35,6 +36,7 @@ mod tests;
 mod trees;
 mod volume;
 
+pub use inside::Location;
 pub use query::{RelationQuery, Seen, seen_bound};
 pub use solid::{NotSolid, Rule, Solid, solid_bound, solid_scratch_bound};
 pub use volume::Overlap;

@@ -4,10 +4,11 @@ extern crate std;
 
 use super::*;
 use crate::bvh::{BuildOptions, BvhStorage, morton, node_bound};
-use crate::{Bvh, Mesh, Node, Pose};
+use crate::bvtt::PosedBvh;
+use crate::{Bvh, Mesh, MeshError, Node, Pose};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded, seq::SliceRandom};
-use pfront_testkit::solids::{Truth, map, mapped, pair, truth};
+use pfront_testkit::solids::{Truth, is_inside, map, mapped, pair, truth};
 use std::vec;
 
 /// How many pairs a test asks about: `PFRONT_RELATION_PAIRS` of them, or few.
@@ -398,4 +399,90 @@ fn between_once(a: &MeshData, b: &MeshData, pose: Pose) -> Between {
             query.relation(&mut vec![0; seen_bound(query.patches())]).unwrap()
         })
     })
+}
+
+/// Points at the middles, faces, edges and corners of cells, of one solid and of two in one mesh, which may overlap: united, or, where triangles
+/// are flipped, each where the other is not.
+#[test]
+fn points_of_lattice_solids_are_where_their_cells_are() {
+    let (mut rng, mut counts) = (seeded(46), std::collections::BTreeMap::new());
+    for round in 0..rounds(400) {
+        let solids = pair(&mut rng);
+        let cells = solids.each_ref().map(|solid| solid.cells());
+        let (rows, _) = map(&mut rng);
+        let mut both = solids[0].mesh(false, &mut rng);
+        if round % 2 == 0 {
+            let (other, first) = (solids[1].mesh(round % 3 == 0, &mut rng), both.positions.len());
+            both.positions.extend(other.positions);
+            both.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first as u32)));
+        }
+        if round % 5 == 0 {
+            both.triangles.iter_mut().step_by(3).for_each(|t| t.swap(1, 2));
+        }
+        both.triangles.shuffle(&mut rng);
+        let both = both.map(|p| mapped(&rows, p));
+        let points = [0; 60].map(|_| [0; 3].map(|_| rng.random_range(-8..=22)));
+        let at = points.map(|p| mapped(&rows, p.map(|x| x as f32)).map(|x| x * 0.5));
+        let truth = |rule: Rule, doubled| {
+            let own = is_inside(&cells[0], doubled)?;
+            let other = if round % 2 == 0 { is_inside(&cells[1], doubled)? } else { false };
+            Some(if rule == Rule::NonZero { own || other } else { own != other })
+        };
+        let mut check = |posed: PosedBvh<'_>, by: [f64; 3]| {
+            let mesh = posed.bvh.mesh();
+            let words = 2 * mesh.vertex_count() + 6 * mesh.triangles().len();
+            let rule = Rule::of(mesh, &mut vec![0; words]).unwrap();
+            for (doubled, at) in points.iter().zip(at) {
+                let moved = [0, 1, 2].map(|k| f64::from(at[k]) + by[k]);
+                let expected = match truth(rule, *doubled) {
+                    None => Location::Surface,
+                    Some(true) => Location::Inside,
+                    Some(false) => Location::Outside,
+                };
+                let found = rule.inside(&posed, moved).unwrap();
+                assert_eq!(found, expected, "{round} {rule:?} {doubled:?} {both:?}");
+                *counts.entry(std::format!("{rule:?} {found:?}")).or_insert(0) += 1;
+            }
+        };
+        with_bvh(mesh(&both), |bvh| {
+            check(PosedBvh::new_unchecked(bvh, &Pose::IDENTITY), [0.0; 3]);
+            let by = [0; 3].map(|_| rng.random_range(-99..=99) as f32);
+            check(PosedBvh::new(bvh, &Pose::from_translation(by)).unwrap(), by.map(f64::from));
+            with_solid(mesh(&both), |solid| {
+                let Ok(solid) = solid else { return };
+                for (doubled, at) in points.iter().zip(at) {
+                    let found = solid.inside(at).unwrap();
+                    assert_eq!(found == Location::Surface, truth(solid.rule(), *doubled).is_none());
+                }
+            });
+        });
+        #[cfg(feature = "f64")]
+        {
+            let by = [0; 3].map(|_| f64::from(rng.random_range(-3..=3)) * 2f64.powi(41));
+            let far = |p: &[f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) + by[k]);
+            let positions: vec::Vec<_> = both.positions.iter().map(far).collect();
+            let mut shadow = vec![[0.0; 3]; positions.len()];
+            let mesh = Mesh::from_f64(&positions, &both.triangles, &mut shadow).unwrap();
+            with_bvh(mesh, |bvh| {
+                check(PosedBvh::new_unchecked(bvh, &Pose::IDENTITY), by);
+                let back = crate::Pose64::from_translation(by.map(|x| -x));
+                check(PosedBvh::in_f64(bvh, &back).unwrap(), [0.0; 3]);
+            });
+        }
+    }
+    std::println!("{counts:?}");
+    assert!(cfg!(miri) || counts.len() == 6 && counts.values().all(|&n| n > 300), "{counts:?}");
+}
+
+#[test]
+fn points_that_are_none_are_refused() {
+    let data = pair(&mut seeded(1))[0].mesh(false, &mut seeded(2));
+    with_solid(mesh(&data), |solid| {
+        let solid = solid.unwrap();
+        for x in [f32::NAN, f32::INFINITY] {
+            assert_eq!(solid.inside([0.0, x, 0.0]), Err(MeshError::NonFinite { vertex: 0 }));
+        }
+        assert_eq!(solid.inside([0.0, 0.0, -1e38]), Err(MeshError::Range { vertex: 0 }));
+        assert_eq!(solid.inside([99, 99, 99]), Ok(Location::Outside));
+    });
 }

@@ -11,11 +11,13 @@ mod crossing;
 mod distance;
 mod lattice;
 mod mesh;
+mod segment;
 
 pub use crossing::crossing_points;
 pub use distance::{within, within_each};
 pub use lattice::Coordinate;
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
+pub use segment::first_parameter;
 
 use lattice::{Integer, Vector, cross, dot, minus, times};
 

@@ -213,3 +213,48 @@ fn ratio_and_normals<C: Scalar>(size: C) {
     assert_eq!(normal([&x, &far, &[zero, zero, size]]), DVec3::Y);
     assert_eq!(direction_of_normal([&o, &x, &[times(2.0), zero, zero]]), DVec3::ZERO);
 }
+
+#[cfg(feature = "relation")]
+#[test]
+fn ratios_compare_as_those_of_integers() {
+    let determinant = |p: &[[f64; 3]; 5], end: usize| {
+        let edge = |i: usize| [0, 1, 2].map(|k| integer(p[i][k]) - integer(p[0][k]));
+        let [u, v, w] = [edge(1), edge(2), edge(end)];
+        let minor = |i: usize, j: usize| &u[i] * &v[j] - &u[j] * &v[i];
+        &w[0] * minor(1, 2) + &w[1] * minor(2, 0) + &w[2] * minor(0, 1)
+    };
+    let (mut rng, mut counts) = (seeded(48), [0; 3]);
+    for round in 0..if cfg!(miri) { 20 } else { 4_000 } {
+        let five = |rng: &mut _| {
+            let [a, b, c, d] = points(round % FAMILIES, rng);
+            let mut five = [a, b, c, d, points(round % FAMILIES, rng)[0]];
+            if round % 4 == 0 {
+                five.iter_mut().for_each(|p| p[1] *= 0.5);
+            }
+            five
+        };
+        let first = five(&mut rng);
+        let mut second = if rng.random_range(0..3) > 0 { five(&mut rng) } else { first };
+        if rng.random_range(0..2) == 0 {
+            second.swap(0, 1);
+        }
+        let [(d0, e0), (d1, e1)] =
+            [&first, &second].map(|p| (determinant(p, 3), determinant(p, 4)));
+        let [mut over0, mut under0, mut over1, mut under1] =
+            [d0.clone(), d0 - e0, d1.clone(), d1 - e1];
+        if under0 == BigInt::ZERO || under1 == BigInt::ZERO {
+            continue;
+        }
+        if under0 < BigInt::ZERO {
+            (over0, under0) = (-over0, -under0);
+        }
+        if under1 < BigInt::ZERO {
+            (over1, under1) = (-over1, -under1);
+        }
+        let truth = (over0 * under1).cmp(&(over1 * under0));
+        let found = compare_orient3d_ratios(first.each_ref(), second.each_ref());
+        assert_eq!(found, truth, "{first:?} {second:?}");
+        counts[(truth as i32 + 1) as usize] += 1;
+    }
+    assert!(cfg!(miri) || counts.iter().all(|&n| n > 300), "{counts:?}");
+}
