@@ -36,7 +36,7 @@
 //!   [`pfront_core::triangle::intersects_in_mesh`].
 //!
 //! # Limits
-//! - Surfaces, not solids: a body that lies wholly inside another has no hit, from any query.
+//! - Surfaces, not solids: a body that lies wholly inside another has no hit, from any query but those about a [`Solid`].
 //! - One instant, not a motion: what is on one side of a wall in one frame and on the other in the next has no hit in
 //!   either (tunnelling). There is no continuous collision detection.
 //!
@@ -99,7 +99,8 @@ pub use pfront_core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::{Gap, TrianglePair};
 pub use pfront_core::pose::PoseError;
-pub use pfront_core::relation::{Between, NotSolid, Relation, Rule};
+pub use pfront_core::relation::{Between, Location, NotSolid, Relation, Rule};
+pub use pfront_core::segment::SegmentHit;
 pub use pfront_core::triangle::{Adjacency, Contact};
 pub use pfront_core::{Aabb, Bvh, Distance, DistanceError, Mesh, MeshError, Node, Pose, Pose64};
 /// The backend on several CPU threads, and what can be chosen about it.

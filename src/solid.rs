@@ -2,7 +2,7 @@
 
 use crate::environment::with_default;
 use crate::memory::filled;
-use crate::{AnyPose, Error, Model, TrianglePair};
+use crate::{AnyPose, Error, Location, Model, TrianglePair};
 use pfront_core::relation::{Rule, Solid as View, solid_bound, solid_scratch_bound};
 use std::sync::Arc;
 
@@ -62,6 +62,29 @@ impl Solid {
     #[must_use]
     pub fn marked_pair(&self) -> Option<TrianglePair> {
         self.view().marked_pair()
+    }
+
+    /// Where a point is, in the frame of the model: exactly, by its winding number and the [rule](Solid::rule), also where triangles meet
+    /// their own mesh. Coordinates may be of any type that f64 holds.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if a coordinate is NaN or beyond ±2^125.
+    ///
+    /// # Complexity
+    /// A ray: O(nodes whose boxes it reaches).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Location, Model, Solid};
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let solid = Solid::new(Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?)?;
+    /// assert_eq!(solid.inside([0.25, 0.25, 0.25])?, Location::Inside);
+    /// assert_eq!(solid.inside([0.25, 0.25, 0.5])?, Location::Surface);
+    /// assert_eq!(solid.inside([1, 1, 1])?, Location::Outside);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn inside(&self, point: [impl Into<f64>; 3]) -> Result<Location, Error> {
+        Ok(with_default(|| self.view().inside(point))?)
     }
 
     pub(crate) fn view(&self) -> View<'_> {

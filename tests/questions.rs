@@ -34,7 +34,7 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 8] = [
+const QUERIES: [&str; 9] = [
     "src/pair.rs",
     "src/relation.rs",
     "src/itself.rs",
@@ -42,6 +42,7 @@ const QUERIES: [&str; 8] = [
     "src/scene/edit.rs",
     "src/scene/nearest.rs",
     "src/scene/check.rs",
+    "src/scene/segment.rs",
     "src/batch/mod.rs",
 ];
 

@@ -120,6 +120,7 @@ impl Model {
         self.tree.outdate();
         self.certificates.outdate();
         self.sphere.take();
+        self.rule.take();
     }
 
     pub(super) fn fit_by(&mut self, parallel: Parallel) {

@@ -9,6 +9,7 @@ mod outline;
 mod passes;
 mod rebuild;
 mod renewed;
+mod segment;
 mod stamp;
 mod tree;
 
@@ -26,8 +27,10 @@ use moves::Moves;
 pub(crate) use passes::{ONE_THREAD, Parallel, THREADS};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
+use pfront_core::relation::{NotSolid, Rule};
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
+pub(crate) use segment::hits;
 use std::fmt;
 use std::panic::resume_unwind;
 use std::sync::{Arc, OnceLock};
@@ -63,6 +66,8 @@ pub struct Model {
     certificates: Renewed<Certificates>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
+    /// Found when a scene first asks whether a point is inside.
+    rule: OnceLock<Result<Rule, NotSolid>>,
 }
 
 /// Without the mesh, which may be large.
@@ -200,6 +205,7 @@ impl Model {
             tree: Renewed::new(tree),
             certificates: Renewed::unmade(),
             sphere: OnceLock::new(),
+            rule: OnceLock::new(),
         }
     }
 
@@ -301,9 +307,9 @@ impl Model {
         let (positions, triangles) = (copy(&self.positions)?, copy(&self.triangles)?);
         let exact = self.exact.as_ref().map(Exact::try_clone).transpose()?;
         let tree = self.tree().try_clone()?;
-        let (stamp, sphere) = (self.stamp, self.sphere.clone());
+        let (stamp, sphere, rule) = (self.stamp, self.sphere.clone(), self.rule.clone());
         let new = Self::of(positions, triangles, self.options, tree);
-        Ok(Self { exact, stamp, sphere, ..new })
+        Ok(Self { exact, stamp, sphere, rule, ..new })
     }
 
     /// The tree as it fits the positions.
@@ -344,6 +350,7 @@ impl Clone for Model {
             tree,
             certificates: self.certificates.clone(),
             sphere: self.sphere.clone(),
+            rule: self.rule.clone(),
         }
     }
 }

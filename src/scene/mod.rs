@@ -17,6 +17,7 @@ mod id;
 mod nearest;
 mod pairs;
 mod report;
+mod segment;
 mod split;
 
 pub use body::{Body, BodyOptions, Groups};

@@ -87,6 +87,7 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
     }
     deforming(&mut named, subjects, executor);
     solids(&mut named, executor);
+    segments(&mut named, executor);
     scene(&mut named, subjects, executor);
     named
 }
@@ -163,6 +164,38 @@ fn solids(named: &mut Named, on: &Executor) {
         let report = scene.check(&Allowed::default()).unwrap();
         let relations = report.pairs.iter().map(|pair| pair.relation.map_or(99, |r| r as u64));
         named.push((format!("SceneQuery::check, {number}"), Answer::Count(relations.sum())));
+    }
+}
+
+/// Points and segments of which f32 holds some only as subnormal numbers, and f64 others.
+fn segments(named: &mut Named, on: &Executor) {
+    let size = f32::from_bits(9);
+    let corners = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]];
+    let model = Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).unwrap();
+    let model = Arc::new(model);
+    let solid = Solid::new(model.clone()).unwrap();
+    let mut scene = SceneQuery::new().on(on);
+    scene.add(model.clone(), Pose::IDENTITY).unwrap();
+    scene.add(model.clone(), Pose::from_translation([size, 0.0, 0.0])).unwrap();
+    for number in 0..6 {
+        let near = [f32::from_bits(number), f32::from_bits(number / 2), f32::from_bits(3)];
+        let far = [f32::from_bits(number), f32::from_bits(3), f32::MIN_POSITIVE];
+        let mut add = |verb: &str, answer| named.push((format!("{verb}, {number}"), answer));
+        let location = solid.inside(near).unwrap();
+        add("Solid::inside", Answer::Count(location as u64));
+        let bodies = scene.inside(near).unwrap();
+        let sum = bodies.iter().map(|(_, location)| 1 + location.unwrap() as u64).sum();
+        add("SceneQuery::inside", Answer::Count(sum));
+        let bits = |hits: &[SegmentHit]| {
+            let bits = hits.iter().map(|hit| hit.at.to_bits() ^ u64::from(hit.triangle) << 52);
+            Answer::Count(bits.fold(hits.len() as u64, |x, y| x.rotate_left(3) ^ y))
+        };
+        add("Model::segment", bits(&model.segment(near, far).unwrap()));
+        add("Model::segment_first", bits(model.segment_first(near, far).unwrap().as_slice()));
+        let hits: Vec<_> = scene.segment(near, far).unwrap().iter().map(|(_, hit)| *hit).collect();
+        add("SceneQuery::segment", bits(&hits));
+        let first = scene.segment_first(far, near).unwrap().map(|(_, hit)| hit);
+        add("SceneQuery::segment_first", bits(first.as_slice()));
     }
 }
 

@@ -1,7 +1,7 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 12] = [
+const SURFACE: [(&str, &str, &str, &str); 13] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
@@ -28,7 +28,13 @@ const SURFACE: [(&str, &str, &str, &str); 12] = [
     ),
     ("PairQuery's relations", include_str!("../../src/relation.rs"), "relation overlap_volume", ""),
     ("SceneQuery's check", include_str!("../../src/scene/check.rs"), "check", ""),
-    ("Solid", include_str!("../../src/solid.rs"), "new", "model rule marked_pair"),
+    (
+        "SceneQuery's segments",
+        include_str!("../../src/scene/segment.rs"),
+        "segment segment_first inside",
+        "",
+    ),
+    ("Solid", include_str!("../../src/solid.rs"), "new inside", "model rule marked_pair"),
     (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),
@@ -53,10 +59,11 @@ const SURFACE: [(&str, &str, &str, &str); 12] = [
             include_str!("../../src/model/mod.rs"),
             include_str!("../../src/model/deform.rs"),
             include_str!("../../src/model/in_f64.rs"),
-            include_str!("../../src/model/blob.rs")
+            include_str!("../../src/model/blob.rs"),
+            include_str!("../../src/model/segment.rs")
         ),
         "new from_f64 from_blob to_blob set_positions set_positions_unfitted fit bvh certificates sphere bytes \
-         try_clone",
+         try_clone segment segment_first",
         "mesh stamp options is_f64",
     ),
     ("AnyPose", include_str!("../../src/pose.rs"), "pair to_f64", "is_f64"),
