@@ -87,8 +87,8 @@ pub use once::{any, count, distance, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use pose::AnyPose;
 pub use scene::{
-    Allowed, Body, BodyId, BodyOptions, CheckReport, CheckedPair, Groups, Piece, SceneHit,
-    SceneQuery,
+    Allowed, Body, BodyId, BodyLocation, BodyOptions, CheckReport, CheckedPair, Groups, Piece,
+    SceneHit, SceneQuery,
 };
 pub use solid::Solid;
 pub use sphere::Sphere;

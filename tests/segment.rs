@@ -100,7 +100,7 @@ fn scenes_and_models_tell_what_cells_and_fractions_tell() {
                 let own = body.pose.to_f64().inverse().unwrap().apply(from);
                 assert_eq!(solid.inside(own).unwrap(), location);
                 if location != Location::Outside {
-                    containing.push((*id, Ok(location)));
+                    containing.push(BodyLocation { body: *id, location: Ok(location) });
                     contained += 1;
                     on_surface += usize::from(location == Location::Surface);
                 }
@@ -142,22 +142,23 @@ fn open_bodies_are_named_and_deforming_ones_looked_at_anew() {
     let open = scene.add(open, Pose::IDENTITY).unwrap();
     let error = NotSolid::OpenEdge { triangle: 0, edge: 1 };
     let point = [0.25, 0.25, 0.25];
-    let expected = [(closed, Ok(Location::Inside)), (open, Err(error))];
+    let at = |body, location| BodyLocation { body, location };
+    let expected = [at(closed, Ok(Location::Inside)), at(open, Err(error))];
     assert_eq!(scene.inside(point).unwrap(), expected);
-    assert_eq!(scene.inside([0.9, 0.9, 0.9]).unwrap(), [(open, Err(error))], "its box");
+    assert_eq!(scene.inside([0.9, 0.9, 0.9]).unwrap(), [at(open, Err(error))], "its box");
     assert_eq!(scene.inside([9.0; 3]).unwrap(), []);
 
     // The corners of a soup, torn apart and put together again.
     let soup: Vec<[f32; 3]> = faces.iter().flatten().map(|&v| corners[v as usize]).collect();
     let alone = (0..4).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let soup_id = scene.add(Model::new(soup.clone(), alone).unwrap(), Pose::IDENTITY).unwrap();
-    assert_eq!(scene.inside(point).unwrap()[2], (soup_id, Ok(Location::Inside)));
+    assert_eq!(scene.inside(point).unwrap()[2], at(soup_id, Ok(Location::Inside)));
     let mut torn = soup.clone();
     torn[11][2] = 2.0;
     scene.set_positions(soup_id, &torn).unwrap();
-    assert!(matches!(scene.inside(point).unwrap()[2], (_, Err(NotSolid::OpenEdge { .. }))));
+    assert!(matches!(scene.inside(point).unwrap()[2].location, Err(NotSolid::OpenEdge { .. })));
     scene.set_positions(soup_id, &soup).unwrap();
-    assert_eq!(scene.inside(point).unwrap()[2], (soup_id, Ok(Location::Inside)));
+    assert_eq!(scene.inside(point).unwrap()[2], at(soup_id, Ok(Location::Inside)));
 }
 
 #[test]

@@ -194,6 +194,27 @@ typedef uint32_t pfront_relation_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Where a point is, as a solid sees it.
+enum pfront_location_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Neither inside nor on the surface.
+  PFRONT_LOCATION_OUTSIDE = 0,
+  // In the interior.
+  PFRONT_LOCATION_INSIDE = 1,
+  // On a triangle, also on one that bounds nothing.
+  PFRONT_LOCATION_SURFACE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pfront_location_t pfront_location_t;
+#else
+typedef uint32_t pfront_location_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // How an index buffer holds its indices.
 enum pfront_index_type_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -591,6 +612,14 @@ typedef struct pfront_between_t {
   struct pfront_pair_t pair;
 } pfront_between_t;
 
+// A triangle that a segment meets.
+typedef struct pfront_segment_hit_t {
+  // The triangle.
+  uint32_t triangle;
+  // The parameter of their first common point, rounded: 0 where the segment starts, 1 where it ends.
+  double at;
+} pfront_segment_hit_t;
+
 // Two triangles of different bodies that meet.
 typedef struct pfront_scene_hit_t {
   // The bodies, the one that was added first before the other.
@@ -669,6 +698,28 @@ typedef struct pfront_refused_body_t {
   // Its open edge or the other triangle, as `given` of an error; 0 if there is no volume.
   uint32_t given;
 } pfront_refused_body_t;
+
+// A triangle of a body that a segment meets.
+typedef struct pfront_scene_segment_hit_t {
+  // The body.
+  uint64_t body;
+  // The triangle, and where.
+  struct pfront_segment_hit_t hit;
+} pfront_scene_segment_hit_t;
+
+// A body that contains a point, or whose box does and which is no solid.
+typedef struct pfront_containing_body_t {
+  // The body.
+  uint64_t body;
+  // Inside, or on the surface; outside if it is no solid.
+  pfront_location_t location;
+  // PFRONT_OK, or PFRONT_OPEN_EDGE if it is no solid.
+  pfront_status_t status;
+  // The triangle at fault, as `index` of an error; 0 if there is none.
+  uint32_t triangle;
+  // Its open edge, as `given` of an error; 0 if there is none.
+  uint32_t given;
+} pfront_containing_body_t;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1129,6 +1180,38 @@ pfront_status_t pfront_model_query_overlap_volume(struct pfront_model_query_t *q
                                                   double *high,
                                                   struct pfront_error_t *error);
 
+// Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
+// triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs
+// to the query and is good until this is called again, or the query is freed. The calling thread answers, whatever the executor.
+pfront_status_t pfront_model_query_segment(struct pfront_model_query_t *query,
+                                           const struct pfront_model_t *model,
+                                           const double *from,
+                                           const double *to,
+                                           const struct pfront_segment_hit_t **hits,
+                                           size_t *count,
+                                           struct pfront_error_t *error);
+
+// Finds the first triangle of a model along the segment from one point to another, each of 3 doubles: `found` is 1 and `hit` tells it,
+// else 0 and `hit` is not written. Exactly: of triangles that it meets in one point, the one with the lowest index. Any number of threads may ask
+// about a model at once.
+pfront_status_t pfront_model_segment_first(const struct pfront_model_t *model,
+                                           const double *from,
+                                           const double *to,
+                                           struct pfront_segment_hit_t *hit,
+                                           uint32_t *found,
+                                           struct pfront_error_t *error);
+
+// Tells for each of `point_count` points, of 3 doubles, where it is, as a model sees it whose mesh is closed: a `pfront_location_t` in each
+// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. What is no solid is PFRONT_OPEN_EDGE,
+// PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME; a point at fault is `index` of the error. The query keeps a model as
+// for `pfront_model_query_relation`.
+pfront_status_t pfront_model_query_inside(struct pfront_model_query_t *query,
+                                          const struct pfront_model_t *model,
+                                          const double *points,
+                                          size_t point_count,
+                                          uint32_t *locations,
+                                          struct pfront_error_t *error);
+
 // Makes a scene without bodies, which asks `executor`, or the calling thread if that is null.
 //
 // A scene takes memory by malloc. PFRONT_OUT_OF_MEMORY if an answer or a mesh does not fit: then nothing has changed, and the
@@ -1226,6 +1309,38 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        uint64_t body,
                                        uint64_t *user_data,
                                        struct pfront_error_t *error);
+
+// Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
+// triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs
+// to the query and is good until this is called again, or the query is freed. The calling thread answers, whatever the executor.
+pfront_status_t pfront_model_query_segment(struct pfront_model_query_t *query,
+                                           const struct pfront_model_t *model,
+                                           const double *from,
+                                           const double *to,
+                                           const struct pfront_segment_hit_t **hits,
+                                           size_t *count,
+                                           struct pfront_error_t *error);
+
+// Finds the first triangle of a model along the segment from one point to another, each of 3 doubles: `found` is 1 and `hit` tells it,
+// else 0 and `hit` is not written. Exactly: of triangles that it meets in one point, the one with the lowest index. Any number of threads may ask
+// about a model at once.
+pfront_status_t pfront_model_segment_first(const struct pfront_model_t *model,
+                                           const double *from,
+                                           const double *to,
+                                           struct pfront_segment_hit_t *hit,
+                                           uint32_t *found,
+                                           struct pfront_error_t *error);
+
+// Tells for each of `point_count` points, of 3 doubles, where it is, as a model sees it whose mesh is closed: a `pfront_location_t` in each
+// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. What is no solid is PFRONT_OPEN_EDGE,
+// PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME; a point at fault is `index` of the error. The query keeps a model as
+// for `pfront_model_query_relation`.
+pfront_status_t pfront_model_query_inside(struct pfront_model_query_t *query,
+                                          const struct pfront_model_t *model,
+                                          const double *points,
+                                          size_t point_count,
+                                          uint32_t *locations,
+                                          struct pfront_error_t *error);
 
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
 // triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about
@@ -1329,6 +1444,35 @@ pfront_status_t pfront_scene_check(struct pfront_scene_t *scene,
                                    const struct pfront_refused_body_t **refused,
                                    size_t *refused_count,
                                    struct pfront_error_t *error);
+
+// Finds all triangles that the closed segment between two points of the world meets, each of 3 doubles: `count` of them in `hits`, sorted
+// by bodies, then triangles. Exactly, for the bodies as they are posed, each in the precision of its model and its pose; touching counts. `hits`
+// belongs to the scene and is good until this is called again, or the scene is freed. The calling thread answers, whatever the executor.
+pfront_status_t pfront_scene_segment(struct pfront_scene_t *scene,
+                                     const double *from,
+                                     const double *to,
+                                     const struct pfront_scene_segment_hit_t **hits,
+                                     size_t *count,
+                                     struct pfront_error_t *error);
+
+// Finds the first triangle along the segment from one point of the world to another, each of 3 doubles: `found` is 1 and `hit` tells it,
+// else 0 and `hit` is not written. Exactly: of triangles that it meets in one point, that of the body that was added first, and of its triangles
+// the one with the lowest index.
+pfront_status_t pfront_scene_segment_first(struct pfront_scene_t *scene,
+                                           const double *from,
+                                           const double *to,
+                                           struct pfront_scene_segment_hit_t *hit,
+                                           uint32_t *found,
+                                           struct pfront_error_t *error);
+
+// Finds the bodies that contain a point of the world, of 3 doubles, in their interior or on their surface: `count` of them in `bodies`, in the order of
+// adding, and among them those whose box contains it and whose mesh is open. Exactly, for the bodies as they are posed. `bodies`
+// belongs to the scene and is good until this is called again, or the scene is freed. The calling thread answers, whatever the executor.
+pfront_status_t pfront_scene_inside(struct pfront_scene_t *scene,
+                                    const double *point,
+                                    const struct pfront_containing_body_t **bodies,
+                                    size_t *count,
+                                    struct pfront_error_t *error);
 
 #ifdef __cplusplus
 }  // extern "C"

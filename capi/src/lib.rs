@@ -39,6 +39,8 @@ mod query;
 mod relation;
 #[cfg(feature = "std")]
 mod scene;
+#[cfg(feature = "std")]
+mod segment;
 mod status;
 #[cfg(feature = "std")]
 mod subject;
@@ -66,6 +68,8 @@ pub use query::*;
 pub use relation::*;
 #[cfg(feature = "std")]
 pub use scene::*;
+#[cfg(feature = "std")]
+pub use segment::*;
 pub use status::*;
 #[cfg(feature = "std")]
 pub use subject::*;

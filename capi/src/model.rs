@@ -5,7 +5,7 @@ use crate::memory::{Call, Done, Handle};
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_DAMAGED;
 use core::ffi::{CStr, c_void};
-use pfront::{Model, Solid};
+use pfront::{Model, SegmentHit, Solid};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -68,6 +68,22 @@ fn pfront_model_free(call: &mut Call<'_>, model: *mut pfront_model_t) -> Done {
     call.free(c"model", model)
 }
 
+/// A triangle that a segment meets.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_segment_hit_t {
+    /// The triangle.
+    pub triangle: u32,
+    /// The parameter of their first common point, rounded: 0 where the segment starts, 1 where it ends.
+    pub at: f64,
+}
+
+impl From<SegmentHit> for pfront_segment_hit_t {
+    fn from(SegmentHit { triangle, at }: SegmentHit) -> Self {
+        Self { triangle, at }
+    }
+}
+
 /// The names of two models.
 pub(crate) const MODEL_NAMES: [&CStr; 2] = [c"a", c"b"];
 
@@ -79,15 +95,32 @@ impl Solids {
     /// The solids of two models, made anew unless they are those of the last question.
     pub(crate) fn of(&mut self, models: [&Arc<Model>; 2]) -> Result<[&Solid; 2], Fault> {
         for ((kept, model), name) in self.0.iter_mut().zip(models).zip(MODEL_NAMES) {
-            if !kept.as_ref().is_some_and(|solid| Arc::ptr_eq(solid.model(), model)) {
-                let solid =
-                    Solid::new(model.clone()).map_err(|error| Fault::from(error).named(name))?;
-                *kept = Some(solid);
-            }
+            keep(kept, model, name)?;
         }
         match &self.0 {
             [Some(a), Some(b)] => Ok([a, b]),
             _ => Err(Fault::new(PFRONT_DAMAGED)),
+        }
+    }
+
+    /// The solid of one model that C calls `name`.
+    pub(crate) fn one(&mut self, model: &Arc<Model>, name: &'static CStr) -> Result<&Solid, Fault> {
+        let [kept, _] = &mut self.0;
+        keep(kept, model, name)
+    }
+}
+
+/// The solid of a model that C calls `name`, made anew unless it is the one that is kept.
+fn keep<'s>(
+    kept: &'s mut Option<Solid>,
+    model: &Arc<Model>,
+    name: &'static CStr,
+) -> Result<&'s Solid, Fault> {
+    match kept.take().filter(|solid| Arc::ptr_eq(solid.model(), model)) {
+        Some(solid) => Ok(kept.insert(solid)),
+        None => {
+            let solid = Solid::new(model.clone());
+            Ok(kept.insert(solid.map_err(|error| Fault::from(error).named(name))?))
         }
     }
 }

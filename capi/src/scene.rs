@@ -7,6 +7,7 @@
 mod bodies;
 mod check;
 mod hits;
+mod segment;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
 use crate::executor::{OwnExecutor, pfront_executor_t};
@@ -21,6 +22,7 @@ use core::ptr::null;
 pub use hits::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
 use pfront_capi_entry::entry;
+pub use segment::*;
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 /// Another one is refused: PFRONT_BUSY.
@@ -36,7 +38,9 @@ pub(crate) struct Scene {
     pieces: Vec<pfront_piece_t>,
     checked: Vec<pfront_checked_pair_t>,
     refused: Vec<pfront_refused_body_t>,
+    containing: Vec<pfront_containing_body_t>,
     hits: Vec<pfront_scene_hit_t>,
+    segment_hits: Vec<pfront_scene_segment_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
     /// A copy of positions that are not packed.
@@ -75,7 +79,9 @@ fn pfront_scene_create(
     out.set(Call::boxed(Scene {
         query,
         own,
+        containing: Vec::new(),
         hits: Vec::new(),
+        segment_hits: Vec::new(),
         contacts: Vec::new(),
         contacts_f64: Vec::new(),
         body_pairs: Vec::new(),

@@ -2,7 +2,7 @@
 
 use crate::executor::{OwnExecutor, pfront_executor_t};
 use crate::memory::{Call, Done, Handle};
-use crate::model::{Solids, pfront_model_t};
+use crate::model::{Solids, pfront_model_t, pfront_segment_hit_t};
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
 use crate::status::Fault;
@@ -73,12 +73,13 @@ pub struct pfront_model_query_t(());
 
 /// The queries of an executor, one for each kind of subject, so that each remembers its own.
 pub(crate) struct ModelQuery {
-    own: OwnExecutor,
+    pub(crate) own: OwnExecutor,
     pub(crate) pair: PairQuery,
     within: [SelfQuery; 2],
     pub(crate) solids: Solids,
     /// The answers that were handed out last.
     pairs: Vec<pfront_pair_t>,
+    pub(crate) segment_hits: Vec<pfront_segment_hit_t>,
     contacts: Vec<pfront_model_contact_t>,
 }
 
@@ -140,6 +141,7 @@ fn pfront_model_query_create(
         within,
         solids: Solids::default(),
         pairs: Vec::new(),
+        segment_hits: Vec::new(),
         contacts: Vec::new(),
     })?);
     Ok(())

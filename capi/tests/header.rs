@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 22] = [
+const MODULES: [&str; 24] = [
     "status",
     "pose",
     "mesh",
@@ -22,10 +22,12 @@ const MODULES: [&str; 22] = [
     "executor",
     "subject",
     "relation",
+    "segment",
     "scene",
     "scene/hits",
     "scene/bodies",
     "scene/check",
+    "scene/segment",
 ];
 
 #[test]
@@ -124,7 +126,8 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = fs::read_to_string(folder.join("include/pfront.h")).unwrap();
     let has = |function: &str| header.contains(&format!("{function}("));
-    for file in ["scene/mod.rs", "scene/edit.rs", "scene/nearest.rs", "scene/check.rs"] {
+    let files = ["mod.rs", "edit.rs", "nearest.rs", "check.rs", "segment.rs"];
+    for file in files.map(|file| format!("scene/{file}")) {
         let source = fs::read_to_string(folder.join("../src").join(file)).unwrap();
         for verb in methods(&source) {
             let other = BY_ANOTHER_NAME.iter().find(|(name, _)| *name == verb);

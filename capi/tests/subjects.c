@@ -382,12 +382,53 @@ static void solids(void)
     // The query has the models that it was last asked about, and the rest is undetermined.
     OK(pfront_model_query_relation(query, &crossing, &between, &error));
     THAT(between.relation == PFRONT_RELATION_UNDETERMINED && between.meets == 1);
+
+    // From above, through the middles of two sides, and beside.
+    const double above[3] = {0.5, 0.5, 3}, below[3] = {0.5, 0.5, -1}, aside[3] = {9, 0.5, 3}, nowhere[3] = {NAN, 0, 0}, far[3] = {0, 1e38, 0};
+    const pfront_segment_hit_t *met;
+    pfront_segment_hit_t first_met = {99, 99};
+    size_t met_count = 9;
+    uint32_t is_met = 9;
+    OK(pfront_model_query_segment(query, models[0], above, below, &met, &met_count, &error));
+    THAT(met_count == 4);
+    for (size_t i = 0; i < met_count; i++) {
+        THAT(met[i].at == (sides[3 * met[i].triangle] & sides[3 * met[i].triangle + 1] & sides[3 * met[i].triangle + 2] & 1 ? 0.5 : 0.75));
+        THAT(i == 0 || met[i - 1].triangle < met[i].triangle);
+    }
+    OK(pfront_model_segment_first(models[0], above, below, &first_met, &is_met, &error));
+    THAT(is_met == 1 && first_met.at == 0.5);
+    OK(pfront_model_segment_first(models[0], above, aside, &first_met, &is_met, &error));
+    THAT(is_met == 0 && first_met.at == 0.5);
+    OK(pfront_model_query_segment(query, models[0], above, aside, &met, &met_count, &error));
+    THAT(met_count == 0);
+    EXPECT(PFRONT_NOT_FINITE, "from", pfront_model_query_segment(query, models[0], nowhere, far, &met, &met_count, &error));
+    EXPECT(PFRONT_POSITION_RANGE, "to", pfront_model_segment_first(models[0], above, far, &first_met, &is_met, &error));
+    EXPECT(PFRONT_NULL, "to", pfront_model_segment_first(models[0], above, NULL, &first_met, &is_met, &error));
+    EXPECT(PFRONT_NULL, "model", pfront_model_query_segment(query, NULL, above, below, &met, &met_count, &error));
+    EXPECT(PFRONT_NULL, "hits", pfront_model_query_segment(query, models[0], above, below, NULL, &met_count, &error));
+
+    const double points[4][3] = {{0.5, 0.5, 0.5}, {0.5, 1, 0.25}, {0.5, 1.0000000001, 0.25}, {NAN, 0, 0}};
+    uint32_t locations[4] = {9, 9, 9, 9};
+    OK(pfront_model_query_inside(query, models[0], &points[0][0], 3, locations, &error));
+    THAT(locations[0] == PFRONT_LOCATION_INSIDE && locations[1] == PFRONT_LOCATION_SURFACE);
+    THAT(locations[2] == PFRONT_LOCATION_OUTSIDE && locations[3] == 9);
+    // Where two bodies of one mesh cross is inside.
+    OK(pfront_model_query_inside(query, models[4], &points[0][0], 1, locations, &error));
+    THAT(locations[0] == PFRONT_LOCATION_INSIDE);
+    OK(pfront_model_query_inside(query, models[0], NULL, 0, NULL, &error));
+    EXPECT(PFRONT_NOT_FINITE, "points", pfront_model_query_inside(query, models[0], &points[0][0], 4, locations, &error));
+    THAT(error.index == 3);
+    EXPECT(PFRONT_OPEN_EDGE, "model", pfront_model_query_inside(query, models[2], &points[0][0], 3, locations, &error));
+    EXPECT(PFRONT_NO_VOLUME, "model", pfront_model_query_inside(query, models[3], &points[0][0], 3, locations, &error));
+    EXPECT(PFRONT_NULL, "points", pfront_model_query_inside(query, models[0], NULL, 3, locations, &error));
+    EXPECT(PFRONT_NULL, "locations", pfront_model_query_inside(query, models[0], &points[0][0], 3, NULL, &error));
     OK(pfront_model_query_free(query, &error));
 
     pfront_scene_t *scene;
     const pfront_checked_pair_t *pairs;
     const pfront_refused_body_t *refused;
     size_t count = 9, refused_count = 9;
+    uint32_t found = 9;
     uint64_t body[5];
     const float beside[5] = {0, 0.75f, 1.75f, 2.875f, 3.5f};
     OK(pfront_scene_create(executor, &scene, &error));
@@ -398,6 +439,32 @@ static void solids(void)
     }
     OK(pfront_scene_check(scene, NULL, &pairs, &count, &refused, &refused_count, &error));
     THAT(count == 4 && refused_count == 1 && refused[0].body == body[4]);
+
+    // Along all bodies, and the first of two sides that are flush.
+    const double left[3] = {-1, 0.5, 0.25}, right[3] = {7, 0.5, 0.25}, between_two[3] = {1.75, 0.5, 0.25}, in_lid[3] = {3.75, 0.5, 0.25};
+    const pfront_scene_segment_hit_t *along;
+    pfront_scene_segment_hit_t first_along;
+    const pfront_containing_body_t *containing;
+    OK(pfront_scene_segment(scene, left, right, &along, &count, &error));
+    THAT(count >= 9 && along[0].body == body[0] && along[0].hit.at == 0.125 && along[count - 1].body == body[4]);
+    OK(pfront_scene_segment_first(scene, left, right, &first_along, &found, &error));
+    THAT(found == 1 && first_along.body == body[0] && first_along.hit.at == 0.125);
+    OK(pfront_scene_segment_first(scene, between_two, left, &first_along, &found, &error));
+    THAT(found == 1 && first_along.body == body[1] && first_along.hit.at == 0);
+    OK(pfront_scene_segment_first(scene, left, left, &first_along, &found, &error));
+    THAT(found == 0);
+    OK(pfront_scene_inside(scene, between_two, &containing, &count, &error));
+    THAT(count == 2 && containing[0].body == body[1] && containing[0].location == PFRONT_LOCATION_SURFACE);
+    THAT(containing[1].body == body[2] && containing[1].location == PFRONT_LOCATION_SURFACE && containing[1].status == PFRONT_OK);
+    OK(pfront_scene_inside(scene, in_lid, &containing, &count, &error));
+    THAT(count == 2 && containing[0].body == body[3] && containing[0].location == PFRONT_LOCATION_INSIDE);
+    THAT(containing[1].body == body[4] && containing[1].status == PFRONT_OPEN_EDGE && containing[1].triangle < 11 && containing[1].given < 3);
+    EXPECT(PFRONT_NOT_FINITE, "point", pfront_scene_inside(scene, nowhere, &containing, &count, &error));
+    EXPECT(PFRONT_POSITION_RANGE, "from", pfront_scene_segment(scene, far, left, &along, &count, &error));
+    EXPECT(PFRONT_NOT_FINITE, "to", pfront_scene_segment_first(scene, left, nowhere, &first_along, &found, &error));
+    EXPECT(PFRONT_NULL, "hit", pfront_scene_segment_first(scene, left, right, NULL, &found, &error));
+    EXPECT(PFRONT_NULL, "bodies", pfront_scene_inside(scene, left, NULL, &count, &error));
+    OK(pfront_scene_check(scene, NULL, &pairs, &count, &refused, &refused_count, &error));
     THAT(refused[0].status == PFRONT_OPEN_EDGE && refused[0].triangle < 11 && refused[0].given < 3);
     for (unsigned i = 0; i < 4 && count == 4; i++) {
         static const pfront_relation_t words[] = {PFRONT_RELATION_CROSSING, PFRONT_RELATION_TOUCHING, PFRONT_RELATION_NEAR,

@@ -20,7 +20,7 @@
 //! - [`bvtt`]: the traversal, its cursor, and the queries [`bvtt::PairBvtt`] and [`bvtt::SelfBvtt`];
 //! - [`front`]: fronts, their refinement, their partition, and the cost history from frame to frame;
 //! - [`one_ring`]: certificates that save a self query the tests of neighbours;
-//! - [`relation`]: what two solids are to each other, and where a point is; [`segment`]: what a segment meets.
+//! - [`relation`]: what two solids are to each other, and where a point is; [`segment`]: triangles that a segment meets.
 //!
 //! # Guarantees
 //! - **Exact.** A query finds the pairs of closed triangles that intersect, no more and no fewer, for the positions given, in

@@ -1,4 +1,4 @@
-//! What a segment meets.
+//! Segments, and the triangles that they meet.
 //!
 //! A triangle is met if it has a point in common with the segment, both closed: [`crate::triangle::intersects_f64`] of the
 //! triangle without area that the segment is. The traversal takes nodes whose boxes the segment may reach, by the separating
@@ -67,7 +67,7 @@ impl Segment {
 
     /// Both ends.
     #[must_use]
-    pub fn ends(&self) -> [[f64; 3]; 2] {
+    pub fn points(&self) -> [[f64; 3]; 2] {
         self.ends
     }
 

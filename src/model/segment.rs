@@ -1,4 +1,4 @@
-//! What a segment meets, and the rule for the inside of a model.
+//! Triangles that a segment meets, and the rule for the inside of a model.
 
 use super::Model;
 use crate::Error;

@@ -25,6 +25,7 @@ pub use edit::Piece;
 pub use hit::SceneHit;
 pub use id::BodyId;
 pub use report::{Allowed, CheckReport, CheckedPair};
+pub use segment::BodyLocation;
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{Answer, Backend, CpuPart, History, Meeting, Plan, Verb, visit as search};

@@ -1,4 +1,4 @@
-//! What a segment meets, and the bodies that contain a point.
+//! Triangles that a segment meets, and bodies that contain a point.
 
 use super::SceneQuery;
 use super::body::Body;
@@ -9,6 +9,15 @@ use crate::memory::push;
 use crate::model::hits;
 use crate::{Aabb, Error, Location, NotSolid, SegmentHit};
 use pfront_core::segment::Segment;
+
+/// Where a point is, as a body sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyLocation {
+    /// The body.
+    pub body: BodyId,
+    /// Where the point is; or the edge that is open, so that there is no inside.
+    pub location: Result<Location, NotSolid>,
+}
 
 impl SceneQuery {
     /// The triangles that the closed segment between two points of the world meets, with their bodies, sorted: exactly for the bodies as
@@ -40,7 +49,7 @@ impl SceneQuery {
         with_default(|| {
             let segment = Segment::new(from, to)?;
             let mut found = Vec::new();
-            let places = self.places_around(segment.ends())?;
+            let places = self.places_around(segment.points())?;
             for body in self.bodies_at(&places) {
                 executor::check(self.history.executor().cancel_flag())?;
                 for hit in hits(&segment, &body.placed())? {
@@ -78,7 +87,7 @@ impl SceneQuery {
     ) -> Result<Option<(BodyId, SegmentHit)>, Error> {
         with_default(|| {
             let segment = Segment::new(from, to)?;
-            let places = self.places_around(segment.ends())?;
+            let places = self.places_around(segment.points())?;
             let first = segment.first(self.bodies_at(&places).map(Body::placed));
             let body = |number| self.bodies_at(&places).nth(number).map(Body::id);
             Ok(first.and_then(|(number, hit)| Some((body(number)?, hit))))
@@ -98,22 +107,21 @@ impl SceneQuery {
     ///
     /// # Examples
     /// ```
-    /// use pfront::{Location, Model, Pose, SceneQuery};
+    /// use pfront::{BodyLocation, Location, Model, Pose, SceneQuery};
     /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// let part = Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
     /// let (part, mut scene) = (std::sync::Arc::new(part), SceneQuery::new());
     /// let near = scene.add(part.clone(), Pose::IDENTITY)?;
     /// let far = scene.add(part, Pose::from_translation([0.5, 0.0, 0.0]))?;
-    /// assert_eq!(scene.inside([0.25, 0.25, 0.25])?, [(near, Ok(Location::Inside))]);
-    /// assert_eq!(scene.inside([0.5, 0.125, 0.25])?, [(near, Ok(Location::Inside)), (far, Ok(Location::Surface))]);
+    /// let inside = BodyLocation { body: near, location: Ok(Location::Inside) };
+    /// let on_surface = BodyLocation { body: far, location: Ok(Location::Surface) };
+    /// assert_eq!(scene.inside([0.25, 0.25, 0.25])?, [inside]);
+    /// assert_eq!(scene.inside([0.5, 0.125, 0.25])?, [inside, on_surface]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
-    pub fn inside(
-        &mut self,
-        point: [impl Into<f64>; 3],
-    ) -> Result<Vec<(BodyId, Result<Location, NotSolid>)>, Error> {
+    pub fn inside(&mut self, point: [impl Into<f64>; 3]) -> Result<Vec<BodyLocation>, Error> {
         with_default(|| {
-            let [point, _] = Segment::new(point.map(Into::into), [0.0; 3])?.ends();
+            let [point, _] = Segment::new(point.map(Into::into), [0.0; 3])?.points();
             let mut found = Vec::new();
             let places = self.places_around([point; 2])?;
             for body in self.bodies_at(&places) {
@@ -124,7 +132,7 @@ impl SceneQuery {
                     Ok(location) => Ok(location?),
                     Err(error) => Err(error),
                 };
-                push(&mut found, (body.id(), location))?;
+                push(&mut found, BodyLocation { body: body.id(), location })?;
             }
             Ok(found)
         })

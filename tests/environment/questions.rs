@@ -184,7 +184,7 @@ fn segments(named: &mut Named, on: &Executor) {
         let location = solid.inside(near).unwrap();
         add("Solid::inside", Answer::Count(location as u64));
         let bodies = scene.inside(near).unwrap();
-        let sum = bodies.iter().map(|(_, location)| 1 + location.unwrap() as u64).sum();
+        let sum = bodies.iter().map(|body| 1 + body.location.unwrap() as u64).sum();
         add("SceneQuery::inside", Answer::Count(sum));
         let bits = |hits: &[SegmentHit]| {
             let bits = hits.iter().map(|hit| hit.at.to_bits() ^ u64::from(hit.triangle) << 52);

@@ -25,6 +25,7 @@ mod poses;
 mod question;
 mod relation;
 mod scene;
+mod segment;
 mod threads;
 mod watchdog;
 
@@ -61,6 +62,8 @@ mod _pfront {
     use crate::relation::{overlap_volume, relation, relations};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::segment::{inside, segment, segment_first};
     #[pymodule_export]
     use crate::threads::join;
 }

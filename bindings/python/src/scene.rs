@@ -12,6 +12,7 @@ use crate::mutex::{ProcessGuard, ProcessMutex};
 use crate::poses::Poses;
 use crate::question::Within;
 use crate::relation;
+use crate::segment;
 use crate::threads::apart;
 use crate::watchdog::BUDGET;
 use numpy::PyReadonlyArrayDyn;
@@ -292,6 +293,54 @@ impl Scene {
             (id.to_bits(), errors::not_solid(py, error, None).into_value(py).into_any())
         };
         Ok((report.pairs.iter().map(told_of).collect(), report.refused.iter().map(why).collect()))
+    }
+
+    /// The bodies whose triangles a segment meets, these, and the parameters.
+    fn segment(
+        &self,
+        py: Python<'_>,
+        ends: [[f64; 3]; 2],
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<(Py<PyAny>, segment::Arrays)> {
+        let [from, to] = ends;
+        let hits = self.ask(py, on, move |query| query.segment(from, to))?;
+        let faces = hits.iter().map(|(_, hit)| hit.triangle).collect();
+        let at = hits.iter().map(|(_, hit)| hit.at).collect();
+        let bodies = hits.iter().map(|(id, _)| id.to_bits() as i64).collect();
+        Ok((list::<i64>(py, bodies), (list::<u32>(py, faces), list::<f64>(py, at))))
+    }
+
+    /// The body of the first triangle along a segment, this, and the parameter.
+    fn segment_first(
+        &self,
+        py: Python<'_>,
+        ends: [[f64; 3]; 2],
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<Option<(u64, u32, f64)>> {
+        let [from, to] = ends;
+        let first = self.ask(py, on, move |query| query.segment_first(from, to))?;
+        Ok(first.map(|(id, hit)| (id.to_bits(), hit.triangle, hit.at)))
+    }
+
+    /// The bodies that contain a point, with the code of its location; and those that are no solids, and why.
+    fn inside(
+        &self,
+        py: Python<'_>,
+        point: [f64; 3],
+        on: &Bound<'_, Executor>,
+    ) -> PyResult<(Vec<(u64, u8)>, Vec<Refused>)> {
+        let (mut containing, mut refused) = (Vec::new(), Vec::new());
+        for body in self.ask(py, on, move |query| query.inside(point))? {
+            let id = body.body.to_bits();
+            match body.location {
+                Ok(location) => containing.push((id, segment::code(location))),
+                Err(error) => {
+                    let why = errors::not_solid(py, &error, None).into_value(py).into_any();
+                    refused.push((id, why));
+                }
+            }
+        }
+        Ok((containing, refused))
     }
 
     /// Bodies of each pair of triangles that meets, and these.

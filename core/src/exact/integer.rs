@@ -63,14 +63,26 @@ pub(crate) fn compare_orient3d_ratios(
     first: [&[f64; 3]; 5],
     second: [&[f64; 3]; 5],
 ) -> core::cmp::Ordering {
+    /// A call of its own, so that differences do not stay on the stack.
+    #[inline(never)]
+    fn determinants<const L: usize>(axes: &[Axis<5>; 3]) -> [Wide<L>; 2] {
+        let axes = differences(axes);
+        [determinant::<L, 5, 3>(&axes), determinant::<L, 5, 4>(&axes)]
+    }
     /// d0 / (d0 − e0) < d1 / (d1 − e1) where d1 · e0 < d0 · e1, if both denominators are positive.
+    #[inline(never)]
     fn compare<const L: usize, const PRODUCT: usize>(axes: &[[Axis<5>; 3]; 2]) -> i32 {
-        let axes = axes.each_ref().map(differences::<L, 5>);
-        let [d0, d1] = axes.each_ref().map(determinant::<L, 5, 3>);
-        let [e0, e1] = axes.each_ref().map(determinant::<L, 5, 4>);
+        let [[d0, e0], [d1, e1]] = axes.each_ref().map(determinants::<L>);
         let signs = (d0 - e0).sign() * (d1 - e1).sign();
-        let [d0, d1, e0, e1] = [d0, d1, e0, e1].map(Wide::widened::<PRODUCT>);
-        (d1 * e0 - d0 * e1).sign() * signs
+        difference_of_products::<L, PRODUCT>([d1, e0], [d0, e1]) * signs
+    }
+    #[inline(never)]
+    fn difference_of_products<const L: usize, const PRODUCT: usize>(
+        [p, q]: [Wide<L>; 2],
+        [r, s]: [Wide<L>; 2],
+    ) -> i32 {
+        let product = |x: Wide<L>, y: Wide<L>| x.widened::<PRODUCT>() * y.widened();
+        (product(p, q) - product(r, s)).sign()
     }
     let axes = [first, second].map(|points| by_axis(points).map(Axis::new));
     let sign = match axes.iter().all(fit::<f64, 5>) {

@@ -1,7 +1,7 @@
 //! Where a point is, by its winding number.
 //!
 //! A ray along the third axis starts at p + (ε, ε², 0), for ε towards 0, so that it meets no edge (Edelsbrunner & Mücke, *Simulation
-//! of Simplicity*, 1990). That point has the winding number of p, unless p is on the surface.
+//! of Simplicity*, 1990). Unless p is on the surface, it has the winding number of p.
 
 use super::{Rule, Solid};
 use crate::bvtt::PosedBvh;

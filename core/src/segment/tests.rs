@@ -67,7 +67,7 @@ fn compare(p: (i128, i128), q: (i128, i128)) -> Ordering {
     (p.0 * q.1).cmp(&(q.0 * p.1))
 }
 
-/// What is found in some posed meshes, against the fractions of their triangles.
+/// Compares what is found in some posed meshes with the fractions of their triangles.
 fn check(segment: Segment, meshes: &[PosedBvh<'_>], truth: &[Vec<Option<(i128, i128)>>]) -> usize {
     let mut hits = 0;
     for (posed, truth) in meshes.iter().zip(truth) {
@@ -209,5 +209,5 @@ fn segments_that_are_none_are_refused() {
     ] {
         assert_eq!(Segment::new([0.0; 3], [0.0, x, 0.0]), Err(error));
     }
-    assert_eq!(Segment::new([0; 3], [1.0; 3]).unwrap().ends(), [[0.0; 3], [1.0; 3]]);
+    assert_eq!(Segment::new([0; 3], [1.0; 3]).unwrap().points(), [[0.0; 3], [1.0; 3]]);
 }

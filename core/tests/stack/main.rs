@@ -292,6 +292,45 @@ fn one_rings() {
     certify(Some(&one_after_the_other));
 }
 
+/// Segments through corners and edges, and points on sides, where integers decide, of coordinates far apart.
+#[cfg(feature = "relation")]
+#[test]
+fn segments() {
+    use pfront_core::relation::Rule;
+    use pfront_core::segment::Segment;
+    use pfront_testkit::rng::seeded;
+    let mut rng = seeded(72);
+    for round in 0..12 {
+        let size = [[1.0; 3], [1e12, 1.0, 1e-12], [1e30, 1.0, 1e-30]][round % 3];
+        let solid = pfront_testkit::solids::pair(&mut rng)[0].mesh(false, &mut rng);
+        let solid = solid.map(|p| [0, 1, 2].map(|k| p[k] * size[k]));
+        let count = solid.triangles.len();
+        let mut tree = Tree { nodes: vec![Node::EMPTY; node_bound(count)], order: vec![0; count] };
+        let mut keys = vec![0; 2 * count];
+        morton(mesh(&solid), &BuildOptions::default(), tree.storage(), &mut keys).unwrap();
+        let bvh = Bvh::new_unchecked(mesh(&solid), &tree.nodes, &tree.order);
+        let mut scratch = vec![0; 2 * solid.positions.len() + 6 * count];
+        let mut rule = Rule::NonZero;
+        check("Rule::of", || rule = Rule::of(mesh(&solid), &mut scratch).unwrap());
+        let mut poses = vec![PosedBvh::new(bvh, &Pose::IDENTITY).unwrap()];
+        poses.extend(PosedBvh::new(bvh, &turned()));
+        #[cfg(feature = "f64")]
+        poses.extend(PosedBvh::in_f64(bvh, &turned().into()));
+        for (i, &from) in solid.positions.iter().enumerate() {
+            let to = solid.positions[(7 * i + 3) % solid.positions.len()].map(|x| 1.5 * x);
+            let tiny = from.map(|x| f64::from(x) + f64::from_bits(1 + i as u64));
+            for end in [from.map(f64::from), tiny] {
+                let segment = Segment::new(end, to).unwrap();
+                for posed in &poses {
+                    check("Segment", || _ = segment.visit(posed, |_| Continue(())));
+                    check("Segment", || _ = black_box(segment.first([*posed])));
+                    check("Segment", || _ = black_box(rule.inside(posed, end)));
+                }
+            }
+        }
+    }
+}
+
 /// Solids that are flush, so that pictures and integers decide, on axes of sizes far apart.
 #[cfg(feature = "relation")]
 #[test]

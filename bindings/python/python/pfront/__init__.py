@@ -20,6 +20,10 @@ question is about one instant, not about a motion. Touching counts, and there is
       overlap_volume                                        the volume that two solids have in common: an interval
       sweep                                                 any of these for many poses, one by one, on other processes too
       part, Part                                            one of n parts of a large question
+    Questions about one mesh, and points
+      inside                                                whether points are inside a solid
+      segment                                               which faces a segment meets
+      segment_first                                         the first face along a segment, or along each of many
     Many bodies in one world
       Scene, Scene.from_file, .from_trimesh                 bodies, each a mesh in a pose
       Scene.add, .remove, .set_poses, .set_mesh, .ignore    by ids or names
@@ -27,6 +31,8 @@ question is about one instant, not about a motion. Touching counts, and there is
       Scene.collides, .count, .pairs, .contacts             as of two meshes
       Scene.intersecting_bodies                             which bodies meet
       Scene.distance                                        which body is nearest to one, and how far
+      Scene.segment, .segment_first                         which faces of which bodies a segment meets
+      Scene.inside                                          which bodies contain a point
       Scene.check, check                                    what all bodies are to each other, and whether that is allowed
       Scene.show                                            a picture
     Answers
@@ -75,7 +81,8 @@ from ._errors import BlobError, DeviceError, MeshError, NotSolid, PoseError, Sta
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
 from ._questions import (
-    Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, overlap_volume, pairs, part, relation, sweep,
+    Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, inside, overlap_volume, pairs, part, relation,
+    segment, segment_first, sweep,
 )  # fmt: skip
 from ._scene import Hits, Scene, SceneContacts, check
 from ._settings import devices, explain, using
@@ -84,8 +91,8 @@ from ._show import register, show
 __all__ = [
     "BlobError", "CheckReport", "CheckedPair", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "NotSolid",
     "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "bodies", "check", "collides", "compat", "contacts",
-    "count", "devices", "distance", "explain", "first", "load", "overlap_volume", "pairs", "part", "register", "relation", "show",
-    "sweep", "using",
+    "count", "devices", "distance", "explain", "first", "inside", "load", "overlap_volume", "pairs", "part", "register", "relation",
+    "segment", "segment_first", "show", "sweep", "using",
 ]  # fmt: skip
 
 

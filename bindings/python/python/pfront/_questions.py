@@ -11,15 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
-from ._arrays import Rows, integer, rows
+from ._arrays import Rows, integer, point, rows
+from ._arrays import points as _points
 from ._errors import PoseError
 from ._mesh import Mesh, MeshLike
 from ._poses import HasMatrix, OnePose, Pose, Poses, SomePoses, matrix
 from ._settings import current
 
 __all__ = [
-    "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "sweep", "part", "Part", "Ragged",
-    "Contacts", "Gap", "Gaps",
+    "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "inside", "segment", "segment_first",
+    "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], Any]
@@ -30,6 +31,7 @@ _Floats = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
 _Counts = npt.NDArray[np.int64]
 _Pairs = npt.NDArray[np.uint32]
+_Faces = npt.NDArray[np.uint32]
 _Values = TypeVar("_Values", bound="npt.NDArray[Any] | Contacts")
 _Found = TypeVar("_Found", bound="Contacts")
 # By their codes; what is undetermined has the last.
@@ -267,6 +269,10 @@ class Gaps(Sequence["Gap | None"]):
         if not isinstance(index, (int, np.integer)):
             return Gaps(interval, pair, points)
         return Gap(tuple(interval.tolist()), tuple(pair.tolist()), points) if pair[0] >= 0 else None
+
+
+def _one(mesh: MeshLike) -> _pfront.Model:
+    return mesh._model if type(mesh) is Mesh else Mesh(mesh)._model
 
 
 def _both(a: MeshLike, b: MeshLike) -> tuple[_pfront.Model, _pfront.Model]:
@@ -651,6 +657,116 @@ def overlap_volume(a: MeshLike, b: MeshLike, pose: Pose = None, *, progress: Pro
     """
     volumes, is_one = _pfront.overlap_volume(*_both(a, b), pose, current(), progress)
     return tuple(volumes[0].tolist()) if is_one else volumes
+
+
+def inside(mesh: MeshLike, points: Any, *, surface: bool = True) -> Any:
+    """Tell whether points are inside a solid, exactly, by winding numbers.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A closed mesh, as for `relation`; where its faces meet each other, the answer is exact too.
+    points : array_like, shape (n, 3) or (3,)
+        Points, in the frame of the mesh; taken as float64.
+    surface : bool
+        Whether points on the surface count as inside, as they do by default.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,), or bool
+        One thread answers.
+
+    Raises
+    ------
+    NotSolid
+        If the mesh is none, as for `relation`.
+    ValueError
+        If a coordinate is NaN or beyond 2^125.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> box = pf.Mesh(*pf._box())
+    >>> points = [[0, 0, 0], [0.5, 0, 0], [0.5000000001, 0, 0]]
+    >>> pf.inside(box, points).tolist()
+    [True, True, False]
+    >>> pf.inside(box, points, surface=False).tolist()
+    [True, False, False]
+    >>> pf.inside(box, [0.1, 0.2, 0.3])
+    True
+    """
+    given = _points(points, "points")
+    found = _pfront.inside(_one(mesh), given.reshape(-1, 3), current())
+    told = found != 0 if surface else found == 1
+    return bool(told[0]) if given.ndim == 1 else told
+
+
+def segment(mesh: MeshLike, start: Any, end: Any) -> tuple[_Faces, _Floats]:
+    """Find all faces that the segment between two points meets, exactly. Touching counts.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any mesh; it need not be closed.
+    start, end : array_like, shape (3,)
+        The points, in the frame of the mesh; taken as float64.
+
+    Returns
+    -------
+    faces : ndarray of uint32, shape (h,)
+        The faces, sorted.
+    at : ndarray of float64, shape (h,)
+        Where the first point in common is, from 0 at the start to 1 at the end, rounded.
+
+    Raises
+    ------
+    ValueError
+        If a coordinate is NaN or beyond 2^125.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> box = pf.Mesh(*pf._box())
+    >>> faces, at = pf.segment(box, [-1, 0.1, 0.2], [1, 0.1, 0.2])
+    >>> faces.tolist(), at.tolist()
+    ([0, 2], [0.25, 0.75])
+    """
+    return _pfront.segment(_one(mesh), (point(start, "start"), point(end, "end")), current())
+
+
+def segment_first(mesh: MeshLike, starts: Any, ends: Any) -> tuple[_Counts, _Floats]:
+    """Find the first face along the segment from one point to another, or along each of many, exactly.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any mesh; it need not be closed.
+    starts, ends : array_like, shape (n, 3) or (3,)
+        The points, in the frame of the mesh; taken as float64. One point may belong to many segments.
+
+    Returns
+    -------
+    faces : ndarray of int64, shape (n,)
+        The first face of each segment, or -1: of faces that it meets in one point, that with the lowest number.
+    at : ndarray of float64, shape (n,)
+        Where that is, from 0 at the start to 1 at the end, rounded; NaN where there is none. One thread answers.
+
+    Raises
+    ------
+    ValueError
+        If a coordinate is NaN or beyond 2^125.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> box = pf.Mesh(*pf._box())
+    >>> faces, at = pf.segment_first(box, [[-1, 0.1, 0.2], [3, 0.1, 0.2], [-1, 2, 2]], [1, 0.1, 0.2])
+    >>> faces.tolist(), at.tolist()
+    ([0, -1, -1], [0.25, nan, nan])
+    """
+    given = np.broadcast_arrays(*(np.atleast_2d(_points(of, what)) for of, what in ((starts, "starts"), (ends, "ends"))))
+    first, last = (np.ascontiguousarray(of) for of in given)
+    return _pfront.segment_first(_one(mesh), first, last, current())
 
 
 @dataclass(frozen=True)

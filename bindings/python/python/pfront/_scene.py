@@ -6,15 +6,16 @@ import re
 import warnings
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn, overload
+from typing import Any, Literal, NoReturn, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _pfront
 from ._arrays import Rows, array, integer, rows
+from ._arrays import point as _point
 from ._check import CheckedPair, CheckReport
-from ._errors import StaleBody
+from ._errors import NotSolid, StaleBody
 from ._mesh import Mesh, MeshLike, Path, bodies
 from ._poses import OnePose, Pose, Poses, SomePoses
 from ._questions import Contacts, Gap, Gaps, Relation
@@ -386,6 +387,85 @@ class Scene:
         gap = None if found is None else Gaps(*found[1])[0]
         return None if found is None or gap is None else (found[0], gap)
 
+    def segment(self, start: Any, end: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint32], npt.NDArray[np.float64]]:
+        """Find all faces that the segment between two points of the world meets, exactly. Touching counts.
+
+        Parameters
+        ----------
+        start, end : array_like, shape (3,)
+            The points; taken as float64. Each body is asked as it is posed, in the precision of its mesh and its pose.
+
+        Returns
+        -------
+        bodies : ndarray of int64, shape (h,)
+            The bodies, sorted.
+        faces : ndarray of uint32, shape (h,)
+            The face of each hit, sorted within a body.
+        at : ndarray of float64, shape (h,)
+            Where the first point in common is, from 0 at the start to 1 at the end, rounded.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+        >>> scene = pf.Scene()
+        >>> for name, x in [("near", 0), ("far", 2)]:
+        ...     pose[0, 3] = x
+        ...     _ = scene.add(box, pose, name=name)
+        >>> bodies, faces, at = scene.segment([-1, 0.1, 0.2], [3, 0.1, 0.2])
+        >>> scene.names(bodies), faces.tolist(), at.tolist()
+        (['near', 'near', 'far', 'far'], [0, 2, 0, 2], [0.125, 0.375, 0.625, 0.875])
+        """
+        bodies, (faces, at) = self._scene.segment(_ends(start, end), current())
+        return bodies, faces, at
+
+    def segment_first(self, start: Any, end: Any) -> tuple[int, int, float] | None:
+        """Find the first face along the segment from one point of the world to another, exactly: its body, its number, and where.
+
+        Of faces that it meets in one point, that of the body that was added first is told, and of its faces the one with the lowest number.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
+        >>> body = scene.add(box)
+        >>> scene.segment_first([3, 0.1, 0.2], [-1, 0.1, 0.2]) == (body, 2, 0.625)
+        True
+        >>> print(scene.segment_first([3, 0.1, 0.2], [1, 0.1, 0.2]))
+        None
+        """
+        return self._scene.segment_first(_ends(start, end), current())
+
+    def inside(self, point: Any) -> dict[int, Literal["inside", "surface"] | NotSolid]:
+        """Find the bodies that contain a point of the world, exactly, by winding numbers.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,)
+            The point; taken as float64.
+
+        Returns
+        -------
+        dict
+            Whether it is inside or on the surface, by the ids of the bodies that contain it, in the order of adding. Then why there is
+            no answer, by the ids of those whose box contains it and whose mesh is open.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
+        >>> near, lid = scene.add(box), scene.add((box.vertices, box.faces[:-1]))
+        >>> found = scene.inside([0, 0.5, 0])
+        >>> found[near], found[lid].face
+        ('surface', 10)
+        >>> scene.remove(lid)
+        >>> scene.inside([0, 0, 0]) == {near: "inside"}, scene.inside([0, 0, 1])
+        (True, {})
+        """
+        containing, refused = self._scene.inside(_point(point, "point"), current())
+        words: tuple[Any, Literal["inside"], Literal["surface"]] = (None, "inside", "surface")
+        return {**{body: words[code] for body, code in containing}, **dict(refused)}
+
     def check(self, *, allow: Iterable[Relation] = (), allow_overlap: float = 0.0) -> CheckReport:
         """Tell what all bodies whose boxes overlap are to each other, and whether that is allowed: is this assembly right?
 
@@ -503,6 +583,10 @@ def _stale(id: int, at: int | None = None) -> StaleBody:
     error = StaleBody(f"body {id} is not in the scene: ids are 0 and more, in the order of adding")
     error.pose = at
     return error
+
+
+def _ends(start: Any, end: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    return _point(start, "start"), _point(end, "end")
 
 
 def _id(body: Any) -> int:
