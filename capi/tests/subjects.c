@@ -407,13 +407,14 @@ static void solids(void)
     EXPECT(PFRONT_NULL, "model", pfront_model_query_segment(query, NULL, above, below, &met, &met_count, &error));
     EXPECT(PFRONT_NULL, "hits", pfront_model_query_segment(query, models[0], above, below, NULL, &met_count, &error));
 
+    const double in_both[3] = {0.75, 0.5, 0.5};
     const double points[4][3] = {{0.5, 0.5, 0.5}, {0.5, 1, 0.25}, {0.5, 1.0000000001, 0.25}, {NAN, 0, 0}};
     uint32_t locations[4] = {9, 9, 9, 9};
     OK(pfront_model_query_inside(query, models[0], &points[0][0], 3, locations, &error));
     THAT(locations[0] == PFRONT_LOCATION_INSIDE && locations[1] == PFRONT_LOCATION_SURFACE);
     THAT(locations[2] == PFRONT_LOCATION_OUTSIDE && locations[3] == 9);
     // Where two bodies of one mesh cross is inside.
-    OK(pfront_model_query_inside(query, models[4], &points[0][0], 1, locations, &error));
+    OK(pfront_model_query_inside(query, models[4], in_both, 1, locations, &error));
     THAT(locations[0] == PFRONT_LOCATION_INSIDE);
     OK(pfront_model_query_inside(query, models[0], NULL, 0, NULL, &error));
     EXPECT(PFRONT_NOT_FINITE, "points", pfront_model_query_inside(query, models[0], &points[0][0], 4, locations, &error));

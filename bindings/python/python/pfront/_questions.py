@@ -729,7 +729,7 @@ def segment(mesh: MeshLike, start: Any, end: Any) -> tuple[_Faces, _Floats]:
     >>> box = pf.Mesh(*pf._box())
     >>> faces, at = pf.segment(box, [-1, 0.1, 0.2], [1, 0.1, 0.2])
     >>> faces.tolist(), at.tolist()
-    ([0, 2], [0.25, 0.75])
+    ([0, 3], [0.25, 0.75])
     """
     return _pfront.segment(_one(mesh), (point(start, "start"), point(end, "end")), current())
 

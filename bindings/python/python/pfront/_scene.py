@@ -414,7 +414,7 @@ class Scene:
         ...     _ = scene.add(box, pose, name=name)
         >>> bodies, faces, at = scene.segment([-1, 0.1, 0.2], [3, 0.1, 0.2])
         >>> scene.names(bodies), faces.tolist(), at.tolist()
-        (['near', 'near', 'far', 'far'], [0, 2, 0, 2], [0.125, 0.375, 0.625, 0.875])
+        (['near', 'near', 'far', 'far'], [0, 3, 0, 3], [0.125, 0.375, 0.625, 0.875])
         """
         bodies, (faces, at) = self._scene.segment(_ends(start, end), current())
         return bodies, faces, at
@@ -429,7 +429,7 @@ class Scene:
         >>> import numpy as np, pfront as pf
         >>> scene, box = pf.Scene(), pf.Mesh(*pf._box())
         >>> body = scene.add(box)
-        >>> scene.segment_first([3, 0.1, 0.2], [-1, 0.1, 0.2]) == (body, 2, 0.625)
+        >>> scene.segment_first([3, 0.1, 0.2], [-1, 0.1, 0.2]) == (body, 3, 0.625)
         True
         >>> print(scene.segment_first([3, 0.1, 0.2], [1, 0.1, 0.2]))
         None
@@ -457,7 +457,7 @@ class Scene:
         >>> near, lid = scene.add(box), scene.add((box.vertices, box.faces[:-1]))
         >>> found = scene.inside([0, 0.5, 0])
         >>> found[near], found[lid].face
-        ('surface', 10)
+        ('surface', 0)
         >>> scene.remove(lid)
         >>> scene.inside([0, 0, 0]) == {near: "inside"}, scene.inside([0, 0, 1])
         (True, {})
