@@ -1202,7 +1202,7 @@ pfront_status_t pfront_model_segment_first(const struct pfront_model_t *model,
                                            struct pfront_error_t *error);
 
 // Tells for each of `point_count` points, of 3 doubles, where it is, as a model sees it whose mesh is closed: a `pfront_location_t` in each
-// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. What is no solid is PFRONT_OPEN_EDGE,
+// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. A model that is no solid is PFRONT_OPEN_EDGE,
 // PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME; a point at fault is `index` of the error. The query keeps a model as
 // for `pfront_model_query_relation`.
 pfront_status_t pfront_model_query_inside(struct pfront_model_query_t *query,
@@ -1309,38 +1309,6 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        uint64_t body,
                                        uint64_t *user_data,
                                        struct pfront_error_t *error);
-
-// Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
-// triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs
-// to the query and is good until this is called again, or the query is freed. The calling thread answers, whatever the executor.
-pfront_status_t pfront_model_query_segment(struct pfront_model_query_t *query,
-                                           const struct pfront_model_t *model,
-                                           const double *from,
-                                           const double *to,
-                                           const struct pfront_segment_hit_t **hits,
-                                           size_t *count,
-                                           struct pfront_error_t *error);
-
-// Finds the first triangle of a model along the segment from one point to another, each of 3 doubles: `found` is 1 and `hit` tells it,
-// else 0 and `hit` is not written. Exactly: of triangles that it meets in one point, the one with the lowest index. Any number of threads may ask
-// about a model at once.
-pfront_status_t pfront_model_segment_first(const struct pfront_model_t *model,
-                                           const double *from,
-                                           const double *to,
-                                           struct pfront_segment_hit_t *hit,
-                                           uint32_t *found,
-                                           struct pfront_error_t *error);
-
-// Tells for each of `point_count` points, of 3 doubles, where it is, as a model sees it whose mesh is closed: a `pfront_location_t` in each
-// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. What is no solid is PFRONT_OPEN_EDGE,
-// PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME; a point at fault is `index` of the error. The query keeps a model as
-// for `pfront_model_query_relation`.
-pfront_status_t pfront_model_query_inside(struct pfront_model_query_t *query,
-                                          const struct pfront_model_t *model,
-                                          const double *points,
-                                          size_t point_count,
-                                          uint32_t *locations,
-                                          struct pfront_error_t *error);
 
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
 // triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about

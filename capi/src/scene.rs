@@ -7,7 +7,7 @@
 mod bodies;
 mod check;
 mod hits;
-mod segment;
+mod segments;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
 use crate::executor::{OwnExecutor, pfront_executor_t};
@@ -22,7 +22,7 @@ use core::ptr::null;
 pub use hits::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
 use pfront_capi_entry::entry;
-pub use segment::*;
+pub use segments::*;
 
 /// Many bodies, which are models in poses. Functions that take a pointer to one that is not const are for one thread at a time.
 /// Another one is refused: PFRONT_BUSY.

@@ -108,7 +108,7 @@ fn pfront_model_segment_first(
 }
 
 /// Tells for each of `point_count` points, of 3 doubles, where it is, as a model sees it whose mesh is closed: a `pfront_location_t` in each
-/// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. What is no solid is PFRONT_OPEN_EDGE,
+/// of `locations`. Exactly, by winding numbers, also where triangles meet their own mesh. A model that is no solid is PFRONT_OPEN_EDGE,
 /// PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME; a point at fault is `index` of the error. The query keeps a model as
 /// for `pfront_model_query_relation`.
 #[entry]

@@ -27,7 +27,7 @@ const MODULES: [&str; 24] = [
     "scene/hits",
     "scene/bodies",
     "scene/check",
-    "scene/segment",
+    "scene/segments",
 ];
 
 #[test]

@@ -80,9 +80,9 @@ impl Segment {
         posed: &PosedBvh<'_>,
         mut visit: impl FnMut(SegmentHit) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let reach = Reach::new(self.ends);
+        let span = Span::new(self.ends);
         posed.visit_reached(
-            |bounds| reach.overlaps(bounds),
+            |bounds| span.overlaps(bounds),
             |triangle| match self.meet(&posed.corners(triangle)) {
                 Some(first) => visit(SegmentHit { triangle, at: first.at }),
                 None => ControlFlow::Continue(()),
@@ -99,11 +99,11 @@ impl Segment {
         &self,
         meshes: impl IntoIterator<Item = PosedBvh<'a>>,
     ) -> Option<(usize, SegmentHit)> {
-        let reach = Cell::new(Reach::new(self.ends));
+        let span = Cell::new(Span::new(self.ends));
         let mut best: Option<(usize, u32, Parameter)> = None;
         for (number, posed) in meshes.into_iter().enumerate() {
             let _ = posed.visit_reached(
-                |bounds| reach.get().overlaps(bounds),
+                |bounds| span.get().overlaps(bounds),
                 |triangle| {
                     let Some(found) = self.meet(&posed.corners(triangle)) else {
                         return ControlFlow::Continue(());
@@ -113,7 +113,7 @@ impl Segment {
                         order.then((number, triangle).cmp(&(*mesh, *other))).is_lt()
                     });
                     if is_first {
-                        reach.set(Reach::up_to(self.ends, found.at));
+                        span.set(Span::up_to(self.ends, found.at));
                         best = Some((number, triangle, found));
                     }
                     ControlFlow::Continue(())
@@ -229,7 +229,7 @@ fn meets_box(t: &[[f64; 3]; 3], p: &[f64; 3], q: &[f64; 3]) -> bool {
 
 /// The part of a segment that boxes are compared with.
 #[derive(Clone, Copy)]
-struct Reach {
+struct Span {
     /// The middle, and half of what leads from the start to the end.
     middle: DVec3,
     half: DVec3,
@@ -237,7 +237,7 @@ struct Reach {
     most: DVec3,
 }
 
-impl Reach {
+impl Span {
     fn new([p, q]: [[f64; 3]; 2]) -> Self {
         let [p, q] = [p, q].map(DVec3::from_array);
         Self { middle: p * 0.5 + q * 0.5, half: q * 0.5 - p * 0.5, most: p.abs().max(q.abs()) }

@@ -211,3 +211,67 @@ fn segments_that_are_none_are_refused() {
     }
     assert_eq!(Segment::new([0; 3], [1.0; 3]).unwrap().points(), [[0.0; 3], [1.0; 3]]);
 }
+
+/// Boxes pass over no triangle, however large or small coordinates are and whatever a pose rounds: segments through points near
+/// triangles, against each triangle.
+#[test]
+fn boxes_pass_over_no_triangle() {
+    let (mut rng, mut hits) = (seeded(50), 0);
+    for round in 0..if cfg!(miri) { 2 } else { 400 } {
+        let scale = [1.0, 1e-44, 1e-30, 1e30, 1e7][round % 5];
+        let far = [0.0, 3.0, 1e4][round % 3] * scale;
+        let mut near = |size: f32| [0; 3].map(|_| far + size * scale * rng.random_range(-1.0..1.0));
+        let mut positions = Vec::new();
+        for _ in 0..60 {
+            let middle = near(1.0);
+            positions.extend([0; 3].map(|_| {
+                let offset = near(0.2);
+                [0, 1, 2].map(|k| middle[k] + (offset[k] - far))
+            }));
+        }
+        let indices: Vec<_> = (0..60).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let turned = Pose::new([
+            [0.6, -0.8, 0.0, far],
+            [0.48, 0.36, 0.8, -far],
+            [-0.64, -0.48, 0.6, 0.5 * far],
+        ]);
+        with_bvh(Mesh::new(&positions, &indices).unwrap(), |bvh| {
+            let mut sides = vec![PosedBvh::new(bvh, &Pose::IDENTITY).unwrap()];
+            sides.push(PosedBvh::new(bvh, &turned).unwrap());
+            #[cfg(feature = "f64")]
+            sides.push(PosedBvh::in_f64(bvh, &turned.into()).unwrap());
+            for posed in &sides {
+                for _ in 0..40 {
+                    // Points of two triangles: corners, middles of edges, and others.
+                    let mut point = || {
+                        let [a, b, c] = posed.corners(rng.random_range(0..60));
+                        let weights = [[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.3, 0.3, 0.4]];
+                        let [u, v, w] = weights[rng.random_range(0..3)];
+                        [0, 1, 2].map(|k| u * a[k] + v * b[k] + w * c[k])
+                    };
+                    let (p, mut q) = (point(), point());
+                    if rng.random_range(0..4) == 0 {
+                        q = [0, 1, 2].map(|k| p[k] + 1e3 * (q[k] - p[k]));
+                    }
+                    let segment = Segment::new(p, q).unwrap();
+                    let meets = |t: &u32| intersects_in_f64(&posed.corners(*t), &[p, q, q]);
+                    let truth: Vec<_> = (0..60).filter(meets).collect();
+                    let mut found = Vec::new();
+                    let _ = segment.visit(posed, |hit| {
+                        found.push((hit.triangle, hit.at));
+                        ControlFlow::Continue(())
+                    });
+                    found.sort_unstable_by_key(|hit| hit.0);
+                    assert!(found.iter().map(|hit| hit.0).eq(truth.iter().copied()), "{segment:?}");
+                    let least = found.iter().map(|hit| hit.1).fold(f64::INFINITY, f64::min);
+                    let first = segment.first([*posed]);
+                    assert_eq!(first.is_some(), !found.is_empty());
+                    assert!(first.is_none_or(|(_, hit)| hit.at <= least + CLOSE), "{segment:?}");
+                    hits += found.len();
+                }
+            }
+        });
+    }
+    std::println!("{hits} hits");
+    assert!(cfg!(miri) || hits > 40_000, "{hits}");
+}
