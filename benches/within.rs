@@ -3,12 +3,16 @@
 //! `cargo bench --bench within [-- MESH_FILE]`: two of a mesh of a file instead. Best times of some rounds in turn, on one
 //! thread and on all, and how many times those at 0 they are. The smallest distance is that of poses which turn by a degree a
 //! frame, at the gap of a seventh of the width in the first; parry's is wrong if it is not in our interval, but for 1e-5 of it.
+//! Batches are those of 10,000 poses of an arm within the mesh.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
 use glam::Vec3;
-use pfront::{Executor, Model, PairQuery, Pose};
+use pfront::{Batch, Executor, Model, PairQuery, Pose};
+use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::scenes::torus_knot;
+use pfront_testkit::shapes::sphere;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// As few as that in a test, which runs the bench once.
@@ -17,6 +21,9 @@ const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 15 };
 
 /// Frames in which the smallest distance is asked for.
 const FRAMES: usize = if cfg!(debug_assertions) { 2 } else { 20 };
+
+/// Poses of an arm.
+const ARMS: usize = if cfg!(debug_assertions) { 5 } else { 10_000 };
 
 /// In mean edges.
 const DISTANCES: [f32; 6] = [0.0, 0.01, 0.1, 0.5, 1.0, 2.0];
@@ -70,6 +77,52 @@ fn main() {
     }
     let truth = distances(&model, width, &executors);
     parry(&model, width, &truth);
+    arm(&model, width, &executors);
+}
+
+/// Times batches of poses of an arm of three links that stands within the model: whether the links meet it, and how far apart.
+fn arm(cell: &Model, width: f32, executors: &[(usize, Executor)]) {
+    let (cell, reach) = (Arc::new(cell.clone()), 0.2 * width);
+    let link =
+        sphere(24).map(|[x, y, z]| [reach * (0.5 + 0.5 * x), 0.1 * reach * y, 0.1 * reach * z]);
+    let link = Arc::new(Model::new(link.positions, link.triangles).unwrap());
+    let mut batch = Batch::new();
+    let mut rng = seeded(5);
+    for _ in 0..ARMS {
+        let (mut angle, mut joint) = (0.0_f32, Vec3::ZERO);
+        for _ in 0..3 {
+            angle += rng.random_range(-1.5..1.5_f32);
+            let (sin, cos) = (0.5 * angle).sin_cos();
+            batch
+                .pair(
+                    &cell,
+                    &link,
+                    Pose::from_rotation_translation([0.0, 0.0, sin, cos], joint.to_array()),
+                )
+                .unwrap();
+            joint += reach * Vec3::new(angle.cos(), angle.sin(), 0.0);
+        }
+    }
+    for (threads, executor) in executors {
+        let mut best = [f64::INFINITY; 2];
+        let mut meet = 0;
+        for _ in 0..ROUNDS.min(5) {
+            let began = Instant::now();
+            let any = batch.any(executor).unwrap().read().unwrap();
+            best[0] = best[0].min(began.elapsed().as_secs_f64() * 1e3);
+            let began = Instant::now();
+            let gaps = batch.distance(executor).unwrap().read().unwrap();
+            best[1] = best[1].min(began.elapsed().as_secs_f64() * 1e3);
+            meet = any.iter().flatten().count();
+            assert_eq!(gaps.iter().flatten().filter(|gap| gap.interval[1] == 0.0).count(), meet);
+        }
+        let [any, distance] = best;
+        println!(
+            "{threads} threads, {ARMS} poses of an arm, {meet} of {} links meet the cell: any {any:.1} ms, distance {distance:.1}, {:.2} x",
+            batch.len(),
+            distance / any
+        );
+    }
 }
 
 /// A pose for each frame, in which the second is 1.15 widths away and turned by some degrees.
