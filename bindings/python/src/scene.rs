@@ -74,6 +74,9 @@ type Told = (u64, Model, [[f64; 4]; 3]);
 /// A body that is no solid, and the exception that says why.
 type Refused = (u64, Py<PyAny>);
 
+/// A body that contains a point, with the code of its location.
+type Located = (u64, u8);
+
 /// An interval, if there is one.
 type Interval = Option<(f64, f64)>;
 
@@ -328,7 +331,7 @@ impl Scene {
         py: Python<'_>,
         point: [f64; 3],
         on: &Bound<'_, Executor>,
-    ) -> PyResult<(Vec<(u64, u8)>, Vec<Refused>)> {
+    ) -> PyResult<(Vec<Located>, Vec<Refused>)> {
         let (mut containing, mut refused) = (Vec::new(), Vec::new());
         for body in self.ask(py, on, move |query| query.inside(point))? {
             let id = body.body.to_bits();
