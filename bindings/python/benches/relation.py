@@ -127,7 +127,7 @@ def meshlib_volume(a, b):
     return lambda: mr.boolean(a, b, mr.BooleanOperation.Intersection).mesh.volume()
 
 
-RELATIONS = {"pfront": own, "MeshLib": meshlib, "coal": coal, "python-fcl": fcl, "trimesh's manager": trimesh}
+RELATIONS = {"pfront": own, "MeshLib": meshlib, "coal: do they meet": coal, "python-fcl: do they meet": fcl, "trimesh: do they meet": trimesh}
 VOLUMES = {"pfront": own_volume, "MeshLib's boolean": meshlib_volume}
 
 

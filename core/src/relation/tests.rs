@@ -13,8 +13,16 @@ use std::vec;
 
 /// How many pairs a test asks about: `PFRONT_RELATION_PAIRS` of them, or few.
 fn rounds(few: usize) -> usize {
-    let asked = std::env::var("PFRONT_RELATION_PAIRS").ok().and_then(|n| n.parse().ok());
-    if cfg!(miri) { 3 } else { asked.unwrap_or(few) }
+    if cfg!(miri) { 3 } else { asked("PFRONT_RELATION_PAIRS").unwrap_or(few) }
+}
+
+fn asked(variable: &str) -> Option<usize> {
+    std::env::var(variable).ok()?.parse().ok()
+}
+
+/// Random numbers, others for each `PFRONT_RELATION_PART`, so that several runs share many pairs.
+fn numbers(seed: u64) -> ChaCha8Rng {
+    seeded(seed + 1_000 * asked("PFRONT_RELATION_PART").unwrap_or(0) as u64)
 }
 
 /// Calls `then` with the BVH of a mesh.
@@ -92,7 +100,7 @@ fn lattice_pair(rng: &mut ChaCha8Rng) -> ([MeshData; 2], Truth) {
 
 #[test]
 fn relations_of_lattice_solids_are_those_of_their_cells() {
-    let mut rng = seeded(44);
+    let mut rng = numbers(44);
     let mut counts = std::collections::BTreeMap::new();
     for round in 0..rounds(3_000) {
         let ([a, b], truth) = lattice_pair(&mut rng);
@@ -112,7 +120,7 @@ fn relations_of_lattice_solids_are_those_of_their_cells() {
 /// Where positions are moved without rounding, and where they are rounded: the relation is that of the posed positions.
 #[test]
 fn posed_solids_are_solids_of_posed_positions() {
-    let mut rng = seeded(45);
+    let mut rng = numbers(45);
     let (mut known, mut rounded) = (0, 0);
     for round in 0..rounds(600) {
         let ([a, b], _) = lattice_pair(&mut rng);
@@ -143,7 +151,7 @@ fn posed_solids_are_solids_of_posed_positions() {
 #[cfg(feature = "f64")]
 #[test]
 fn relations_in_f64_are_those_of_the_cells() {
-    let mut rng = seeded(46);
+    let mut rng = numbers(46);
     for _ in 0..rounds(400) {
         let ([a, b], truth) = lattice_pair(&mut rng);
         // Coordinates that f32 does not hold.
@@ -248,7 +256,7 @@ fn overlap_of(query: &RelationQuery<'_>) -> Result<[f64; 2], NotSolid> {
 
 #[test]
 fn the_volume_of_lattice_solids_is_that_of_their_cells() {
-    let mut rng = seeded(50);
+    let mut rng = numbers(50);
     for round in 0..rounds(2_000) {
         let solids = pair(&mut rng);
         let (rows, scale) = map(&mut rng);
@@ -274,7 +282,7 @@ fn the_volume_of_lattice_solids_is_that_of_their_cells() {
 /// rounding makes it.
 #[test]
 fn volumes_of_posed_solids_are_those_of_their_posed_meshes() {
-    let mut rng = seeded(53);
+    let mut rng = numbers(53);
     let mut wide = 0;
     for round in 0..rounds(500) {
         let [a, b] = pair(&mut rng).map(|solid| solid.mesh(false, &mut rng));
