@@ -1166,14 +1166,15 @@ pfront_status_t pfront_batch_count(const struct pfront_executor_t *executor,
 // itself are PFRONT_NULL, and what is no solid is PFRONT_OPEN_EDGE, PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME.
 //
 // Rounding alone can make flush parts cross by a trifle: ask for the volume before calling that a clash. The query keeps
-// a model with what has to be known of it once, 36 bytes a triangle, until it is asked about another one as a solid.
+// a model with what has to be known of it once, 36 bytes a triangle and 44 a vertex, until it is asked about another one as a solid.
 pfront_status_t pfront_model_query_relation(struct pfront_model_query_t *query,
                                             const struct pfront_subject_t *subject,
                                             struct pfront_between_t *between,
                                             struct pfront_error_t *error);
 
 // Finds the volume that two solids have in common, in the units of `a`: it is at least `low` and at most `high`. All else is as for
-// `pfront_model_query_relation`, but triangles of a model that meet beyond the corners that they share are PFRONT_MEETS_ITSELF here.
+// `pfront_model_query_relation`, but triangles of a model that meet beyond the corners that they share, inside the other
+// solid or on its surface, are PFRONT_MEETS_ITSELF here.
 pfront_status_t pfront_model_query_overlap_volume(struct pfront_model_query_t *query,
                                                   const struct pfront_subject_t *subject,
                                                   double *low,

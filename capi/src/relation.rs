@@ -6,7 +6,7 @@ use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::subject::{ModelQuery, Subject, asked, fault, pfront_model_query_t, pfront_subject_t};
 use crate::verbs::pfront_pair_t;
-use pfront::{AnyPose, Between, Model, NotSolid, Relation, TrianglePair};
+use pfront::{AnyPose, Between, Error, Model, NotSolid, Relation, TrianglePair};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -88,7 +88,7 @@ fn pair(subject: &Subject) -> Result<([&Arc<Model>; 2], AnyPose), Fault> {
 /// itself are PFRONT_NULL, and what is no solid is PFRONT_OPEN_EDGE, PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME.
 ///
 /// Rounding alone can make flush parts cross by a trifle: ask for the volume before calling that a clash. The query keeps
-/// a model with what has to be known of it once, 36 bytes a triangle, until it is asked about another one as a solid.
+/// a model with what has to be known of it once, 36 bytes a triangle and 44 a vertex, until it is asked about another one as a solid.
 #[entry]
 fn pfront_model_query_relation(
     call: &mut Call<'_>,
@@ -105,7 +105,8 @@ fn pfront_model_query_relation(
 }
 
 /// Finds the volume that two solids have in common, in the units of `a`: it is at least `low` and at most `high`. All else is as for
-/// `pfront_model_query_relation`, but triangles of a model that meet beyond the corners that they share are PFRONT_MEETS_ITSELF here.
+/// `pfront_model_query_relation`, but triangles of a model that meet beyond the corners that they share, inside the other
+/// solid or on its surface, are PFRONT_MEETS_ITSELF here.
 #[entry]
 fn pfront_model_query_overlap_volume(
     call: &mut Call<'_>,
@@ -118,12 +119,18 @@ fn pfront_model_query_overlap_volume(
     let (ModelQuery { pair: query, solids, .. }, subject) = asked(call, query, subject)?;
     let (models, pose) = pair(&subject)?;
     let both = solids.of(models)?;
-    for (solid, name) in both.iter().zip(MODEL_NAMES) {
-        if let Some(pair) = solid.marked_pair() {
-            return Err(Fault::from(NotSolid::MeetsItself { pair }).named(name));
+    let volume = query.overlap_volume(both[0], both[1], pose);
+    let [low, high] = volume.map_err(|error| match error {
+        Error::Solid(why @ NotSolid::MeetsItself { pair }) => {
+            let named = both.iter().zip(MODEL_NAMES).find(|(s, _)| s.marked_pair() == Some(pair));
+            let fault = Fault::from(why);
+            match named {
+                Some((_, name)) => fault.named(name),
+                None => fault,
+            }
         }
-    }
-    let [low, high] = query.overlap_volume(both[0], both[1], pose).map_err(fault)?;
+        error => fault(error),
+    })?;
     least.set(low);
     greatest.set(high);
     Ok(())

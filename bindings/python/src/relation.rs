@@ -20,34 +20,23 @@ use std::sync::atomic::AtomicBool;
 /// Poses that are asked about between two reports of how far the question has come.
 const CHUNK: usize = 1 << 10;
 
-/// All relations, in the order of their codes; the code after the last is that of what is undetermined.
-const RELATIONS: [Relation; 7] = [
-    Relation::Apart,
-    Relation::Near,
-    Relation::Touching,
-    Relation::Crossing,
-    Relation::AInB,
-    Relation::BInA,
-    Relation::Equal,
-];
-
-/// The words of all relations, in the order of their codes.
+/// The words of all relations, in the order of their codes; the code after the last is that of what is undetermined.
 #[pyfunction]
 pub fn relations() -> Vec<&'static str> {
-    RELATIONS.map(Relation::as_str).into()
+    Relation::ALL.map(Relation::as_str).into()
 }
 
 /// The relation of a word.
 pub(crate) fn of_word(word: &str) -> PyResult<Relation> {
-    RELATIONS.into_iter().find(|relation| relation.as_str() == word).ok_or_else(|| {
-        let words = RELATIONS.map(Relation::as_str).join(", ");
+    Relation::from_word(word).ok_or_else(|| {
+        let words = relations().join(", ");
         PyValueError::new_err(format!("{word:?} is no relation; there are {words}"))
     })
 }
 
 fn code(relation: Option<Relation>) -> u8 {
-    let found = RELATIONS.iter().position(|own| Some(*own) == relation);
-    found.unwrap_or(RELATIONS.len()) as u8
+    let found = Relation::ALL.iter().position(|own| Some(*own) == relation);
+    found.unwrap_or(Relation::ALL.len()) as u8
 }
 
 /// The code of the relation of two solids in each pose; and whether one pose was given.
@@ -80,11 +69,6 @@ pub fn overlap_volume(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Py<PyAny>, bool)> {
     let two = Two { solids: solids(py, [a, b])?, within: Within::default() };
-    for (solid, name) in two.solids.iter().zip(NAMES) {
-        if let Some(pair) = solid.marked_pair() {
-            return Err(not_solid(py, &NotSolid::MeetsItself { pair }, Some(name)));
-        }
-    }
     let ask = |query: &mut PairQuery, [a, b]: [&Solid; 2], pose| query.overlap_volume(a, b, pose);
     let (volumes, is_one) = two.ask(py, pose, on, progress, ask)?;
     let rows = volumes.len();
@@ -96,6 +80,18 @@ const NAMES: [&str; 2] = ["a", "b"];
 
 fn solids(py: Python<'_>, [a, b]: [&Model; 2]) -> PyResult<[Arc<Solid>; 2]> {
     Ok([a.solid(py, NAMES[0])?, b.solid(py, NAMES[1])?])
+}
+
+/// The exception for an error about two solids, which names the one that meets itself.
+fn refused(py: Python<'_>, error: Error, pose: Option<usize>, solids: &[Arc<Solid>; 2]) -> PyErr {
+    match error {
+        Error::Solid(why @ NotSolid::MeetsItself { pair }) => {
+            let meets_so = |(solid, _): &(&Arc<Solid>, &str)| solid.marked_pair() == Some(pair);
+            let named = solids.iter().zip(NAMES).find(meets_so);
+            not_solid(py, &why, named.map(|(_, name)| name))
+        }
+        error => exception(py, error, pose),
+    }
 }
 
 /// Two solids, and how far apart they are near.
@@ -129,7 +125,7 @@ impl Two {
         let (mut all, mut plan) = (Vec::new(), None);
         memory::reserve(&mut all, poses.len()).map_err(|error| exception(py, error, None))?;
         for chunk in poses.chunks(CHUNK) {
-            let (solids, chunk) = (solids.clone(), chunk.to_vec());
+            let (both, chunk) = (solids.clone(), chunk.to_vec());
             let alone = pfront::Executor::sequential().with_cancel(cancel.clone());
             let pool = on.made(py).pool.filter(|_| !is_one);
             let told;
@@ -137,7 +133,7 @@ impl Two {
                 let own = if is_one { executor } else { &alone };
                 let start = || PairQuery::new().within(within.get()).map(|query| query.on(own));
                 let ask = |query: &mut Result<PairQuery, Error>, pose: &AnyPose| match query {
-                    Ok(query) => ask(query, [&solids[0], &solids[1]], *pose),
+                    Ok(query) => ask(query, [&both[0], &both[1]], *pose),
                     Err(error) => Err(error.clone()),
                 };
                 let (told, plan): (Vec<_>, _) = match &pool {
@@ -156,7 +152,7 @@ impl Two {
             })?;
             for told in told {
                 let pose = (!is_one).then_some(all.len());
-                all.push(told.map_err(|error| exception(py, error, pose))?);
+                all.push(told.map_err(|error| refused(py, error, pose, &solids))?);
             }
             if let Some(progress) = progress.as_ref().filter(|_| !is_one) {
                 let _inside = Inside::enter();

@@ -142,6 +142,10 @@ def test_what_is_no_solid_is_told():
     assert caught.value.pair == tuple(pf.pairs(crossing)[0]) and caught.value.face is None
     with pytest.raises(pf.NotSolid, match="^a is no solid"):
         pf.overlap_volume(crossing, crossing, np.stack([np.eye(4)] * 2))
+    # What meets itself elsewhere does not matter.
+    apart = joined(box, pf.Mesh(crossing.vertices + 9, crossing.faces))
+    low, high = pf.overlap_volume(apart, box)
+    assert high - low < 1e-9 and (low, high) == pytest.approx(pf.overlap_volume(box, box))
 
 
 def test_what_hangs_on_faces_that_meet_their_own_mesh_is_undetermined():

@@ -5,7 +5,7 @@ use super::{check_files, read};
 use crate::args::Check;
 use crate::listing::{HIT, PLAIN, count, posed};
 use crate::progress::shown;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use pfront::{Allowed, BodyId, CheckReport, CheckedPair, Pose, Relation, SceneQuery};
 use pfront_cli::json::{VERSION, write_json};
 use pfront_cli::output::{Draft, out};
@@ -84,19 +84,9 @@ fn named(names: &Names, pattern: &str) -> Result<Vec<BodyId>> {
 }
 
 fn relation(word: &str) -> Result<Relation> {
-    let all = [
-        Relation::Apart,
-        Relation::Near,
-        Relation::Touching,
-        Relation::Crossing,
-        Relation::AInB,
-        Relation::BInA,
-        Relation::Equal,
-    ];
-    match all.into_iter().find(|relation| relation.as_str() == word) {
-        Some(relation) => Ok(relation),
-        None => bail!("{word} is no relation; there are {}", all.map(Relation::as_str).join(", ")),
-    }
+    let words = || Relation::ALL.map(Relation::as_str).join(", ");
+    Relation::from_word(word)
+        .with_context(|| format!("{word} is no relation; there are {}", words()))
 }
 
 fn word(pair: &CheckedPair) -> &'static str {

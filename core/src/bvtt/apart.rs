@@ -2,12 +2,10 @@
 
 use super::block::TriangleBlock;
 use super::near::farthest_square;
+use super::nearest::UNIT;
 use crate::simd::point8::{chunk_starts, difference, dot, load};
 use crate::simd::{LANES, Simd};
 use glam::Vec3A;
-
-/// u of f32.
-const UNIT: f32 = 5.960_464_5e-8;
 
 impl TriangleBlock {
     /// Whether all triangles are certainly farther from all of `other` than a distance, along the line through the middles of both:

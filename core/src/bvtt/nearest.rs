@@ -27,7 +27,8 @@ use crate::simd::point8::{abs, cross, difference, dot, highest, select, sum};
 
 /// 72 u.
 const MARGIN: f32 = 72.0 * UNIT;
-const UNIT: f32 = 5.960_464_5e-8;
+/// u of f32.
+pub(super) const UNIT: f32 = 5.960_464_5e-8;
 
 /// 2^20: beyond it, squares might overflow.
 const MOST: f32 = 1_048_576.0;

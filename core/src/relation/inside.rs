@@ -3,14 +3,14 @@
 //! A ray along the third axis starts at p + (ε, ε², 0), for ε towards 0, so that it meets no edge (Edelsbrunner & Mücke, *Simulation
 //! of Simplicity*, 1990). Unless p is on the surface, it has the winding number of p.
 
+use super::ray::{is_beside, side_of_shifted, surrounds};
 use super::{Rule, Solid};
 use crate::bvtt::PosedBvh;
 use crate::exact::Exact;
-use crate::exact::orientation::{orient2d, sides};
+use crate::exact::orientation::sides;
 use crate::mesh::check_position;
 use crate::triangle::{flat, intersects_in_f64, turn};
 use crate::{MeshError, Pose};
-use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
 /// Where a point is, as a solid sees it.
@@ -93,7 +93,7 @@ fn winding_number(posed: &PosedBvh<'_>, point: &[f64; 3]) -> Option<i32> {
     let end = posed.visit_reached(is_above, |triangle| {
         let corners = posed.corners(triangle);
         let below = flat(&corners, AXIS);
-        if (0..2).any(|k| is_beside(below.map(|corner| corner[k]), start[k])) {
+        if !surrounds(&below, &start) {
             return ControlFlow::Continue(());
         }
         let is_level = !is_beside(corners.map(|corner| corner[AXIS]), point[AXIS]);
@@ -102,7 +102,7 @@ fn winding_number(posed: &PosedBvh<'_>, point: &[f64; 3]) -> Option<i32> {
         }
         let turned = turn::<Exact<f64>>(&corners, AXIS).unwrap_or(0);
         let is_within =
-            |&(u, v): &(usize, usize)| side_of_edge(&below[u], &below[v], &start) == turned;
+            |&(u, v): &(usize, usize)| side_of_shifted([&below[u], &below[v]], &start, 1) == turned;
         if turned != 0 && [(0, 1), (1, 2), (2, 0)].iter().all(is_within) {
             let [side] = sides(corners.each_ref(), [point]);
             // Not 0: the triangle would contain the point.
@@ -117,19 +117,3 @@ fn winding_number(posed: &PosedBvh<'_>, point: &[f64; 3]) -> Option<i32> {
 
 /// The axis along which rays run.
 const AXIS: usize = 2;
-
-/// Whether all are on one side of a coordinate.
-#[inline]
-fn is_beside([x, y, z]: [f64; 3], at: f64) -> bool {
-    (x < at && y < at && z < at) || (x > at && y > at && z > at)
-}
-
-/// The side of a line on which the start of the ray lies as it is shifted; 0 only if both points are the same.
-fn side_of_edge(u: &[f64; 2], v: &[f64; 2], start: &[f64; 2]) -> i32 {
-    let sign = |x: &f64, y: &f64| x.partial_cmp(y).unwrap_or(Ordering::Equal) as i32;
-    match orient2d(u, v, start) {
-        0 if u[1] != v[1] => sign(&u[1], &v[1]),
-        0 => sign(&v[0], &u[0]),
-        side => side,
-    }
-}

@@ -66,6 +66,30 @@ pub enum Relation {
 }
 
 impl Relation {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Apart,
+        Self::Near,
+        Self::Touching,
+        Self::Crossing,
+        Self::AInB,
+        Self::BInA,
+        Self::Equal,
+    ];
+
+    /// The relation of a word, that of [`Relation::as_str`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::relation::Relation;
+    /// assert_eq!(Relation::from_word("a_in_b"), Some(Relation::AInB));
+    /// assert_eq!(Relation::from_word("beside"), None);
+    /// ```
+    #[must_use]
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|relation| relation.as_str() == word)
+    }
+
     /// The relation of B to A.
     ///
     /// # Examples

@@ -10,6 +10,7 @@ use crate::exact::Exact;
 use crate::exact::orientation::{orient2d, sides};
 use crate::scalar::Scalar;
 use crate::triangle::{flat, projection, turn};
+use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
 /// Coordinates in which a side of a query is posed.
@@ -50,7 +51,7 @@ pub(super) fn winding<C: Posed>(
     let axis = seen.axis;
     let vertex = sides_of[from].bvh.mesh().triangles()[triangle as usize][0];
     let start = flat(&own, axis);
-    let (mut winding, mut is_on) = (0, false);
+    let mut winding = 0;
     let ray = query.box_of_ray(from, vertex, axis);
     let end = query.visit_overlapping(of, &ray, |other| {
         if from == of && other == triangle {
@@ -77,7 +78,6 @@ pub(super) fn winding<C: Posed>(
             side
         });
         if side == 0 {
-            is_on = true;
             return ControlFlow::Break(());
         }
         if side != turned {
@@ -85,7 +85,7 @@ pub(super) fn winding<C: Posed>(
         }
         ControlFlow::Continue(())
     });
-    if end.is_break() || is_on {
+    if end.is_break() {
         return Err(OnSurface);
     }
     // A ray along the normal starts in front, any other behind, where the number is one more.
@@ -115,10 +115,23 @@ fn first_other_than_0<P>(points: &[P; 3], sign: impl FnMut(&P) -> i32) -> i32 {
 
 /// Whether the box of a projected triangle contains a point.
 #[inline]
-fn surrounds<C: Scalar>([p, q, r]: &[[C; 2]; 3], point: &[C; 2]) -> bool {
-    let beside = |k: usize| {
-        let x = point[k];
-        (p[k] < x && q[k] < x && r[k] < x) || (p[k] > x && q[k] > x && r[k] > x)
-    };
-    !beside(0) && !beside(1)
+pub(super) fn surrounds<C: Scalar>([p, q, r]: &[[C; 2]; 3], point: &[C; 2]) -> bool {
+    (0..2).all(|k| !is_beside([p[k], q[k], r[k]], point[k]))
+}
+
+/// Whether all are on one side of a coordinate.
+#[inline]
+pub(super) fn is_beside<C: Scalar>([x, y, z]: [C; 3], at: C) -> bool {
+    (x < at && y < at && z < at) || (x > at && y > at && z > at)
+}
+
+/// The side of a line on which a point lies that is shifted by (ε, ε²), or the other way by −1; 0 only if both points of the line are
+/// the same.
+pub(super) fn side_of_shifted<C: Scalar>([u, v]: [&[C; 2]; 2], point: &[C; 2], shift: i32) -> i32 {
+    let sign = |x: &C, y: &C| x.partial_cmp(y).unwrap_or(Ordering::Equal) as i32;
+    match orient2d(u, v, point) {
+        0 if u[1] != v[1] => shift * sign(&u[1], &v[1]),
+        0 => shift * sign(&v[0], &u[0]),
+        side => side,
+    }
 }

@@ -395,18 +395,8 @@ fn a_ray_needs_an_area() {
         &cube(0.0, 1.0).triangles,
     );
     with_solid(mesh(&b), |solid| assert!(solid.unwrap().marked_pair().is_none()));
-    let found = between_once(&a, &b, Pose::from_translation([1004.0, 5.0, 5.0]));
+    let found = between(&a, &b, Pose::from_translation([1004.0, 5.0, 5.0]));
     assert!(found.relation.is_none() && found.is_rounded, "{found:?}");
-}
-
-/// The relation of two meshes, by one worker.
-fn between_once(a: &MeshData, b: &MeshData, pose: Pose) -> Between {
-    with_solid(mesh(a), |a| {
-        with_solid(mesh(b), |b| {
-            let query = RelationQuery::new(&a.unwrap(), &b.unwrap(), pose).unwrap();
-            query.relation(&mut vec![0; seen_bound(query.patches())]).unwrap()
-        })
-    })
 }
 
 /// Points at the middles, faces, edges and corners of cells, of one solid and of two in one mesh, which may overlap: united, or, where triangles

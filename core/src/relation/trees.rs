@@ -8,9 +8,8 @@ use super::solid::DEGENERATE;
 use glam::DVec3;
 
 /// The determinant of the corners of a triangle seen from an apex, and its normal.
-fn cone(corners: &[[f64; 3]; 3], apex: DVec3) -> (Ball, [Ball; 3]) {
+fn cone([p, q, r]: [DVec3; 3], apex: DVec3) -> (Ball, [Ball; 3]) {
     let ball = |x: f64| Ball::new(x, x.abs() * f64::EPSILON);
-    let [p, q, r] = corners.map(DVec3::from_array);
     let [from, u, v] = [p - apex, q - p, r - p].map(|x| x.to_array().map(ball));
     let normal = cross(&u, &v);
     (dot(&from, &normal), normal)
@@ -19,11 +18,11 @@ fn cone(corners: &[[f64; 3]; 3], apex: DVec3) -> (Ball, [Ball; 3]) {
 impl Frame {
     /// The sum of one triangle.
     fn sum_of(&self, solid: &Solid<'_>, triangle: u32) -> Sum {
-        let facing = solid.facing(triangle);
         if solid.is_marked(triangle) {
             return Sum { counts: [0, 1], ..Sum::default() };
         }
-        let (determinant, normal) = cone(&solid.bvh().mesh().triangle_f64(triangle), self.apex);
+        let facing = solid.facing(triangle);
+        let (determinant, normal) = cone(corners_of(solid, triangle), self.apex);
         let cut = |ball: Ball, i: usize| (ball.middle / self.units[i]) as i64 * i64::from(facing);
         let [x, y, z] = normal.map(|component| cut(component, 1));
         Sum { cones: [cut(determinant, 0), x, y, z], counts: [u32::from(facing != 0), 0] }
@@ -58,6 +57,10 @@ pub(super) fn write_cones(
     frame.write(words);
 }
 
+fn corners_of(solid: &Solid<'_>, triangle: u32) -> [DVec3; 3] {
+    solid.bvh().mesh().triangle_f64(triangle).map(DVec3::from_array)
+}
+
 /// Triangles with an area.
 fn triangles_of(solid: &Solid<'_>) -> impl Iterator<Item = u32> {
     let solid = *solid;
@@ -66,24 +69,22 @@ fn triangles_of(solid: &Solid<'_>) -> impl Iterator<Item = u32> {
 
 /// The frame in which the cones of a solid are taken.
 fn measured(solid: &Solid<'_>) -> Frame {
-    let mesh = solid.bvh().mesh();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let corners = |triangle| mesh.triangle_f64(triangle).map(DVec3::from_array);
-    for p in triangles_of(solid).flat_map(corners) {
+    for p in triangles_of(solid).flat_map(|triangle| corners_of(solid, triangle)) {
         (low, high) = (low.min(p), high.max(p));
     }
     let apex = low * 0.5 + high * 0.5;
     let farthest = low.abs().max(high.abs()).max_element();
     let (mut totals, mut errors, mut edges) = ([0.0; 2], [0.0; 2], 0.0);
     for triangle in 0..solid.corners().len() as u32 {
-        let [p, q, r] = corners(triangle);
+        let corners @ [p, q, r] = corners_of(solid, triangle);
         let around = [q - p, r - q, p - r].iter().map(|edge| edge.abs().element_sum()).sum::<f64>();
         if solid.patch_of(triangle) == DEGENERATE {
             edges += 5.0 * around;
             continue;
         }
         edges += around;
-        let (determinant, normals) = cone(&mesh.triangle_f64(triangle), apex);
+        let (determinant, normals) = cone(corners, apex);
         let most = |x: f64, ball: Ball| if x < ball.middle.abs() { ball.middle.abs() } else { x };
         totals[0] += determinant.middle.abs();
         totals[1] += normals.into_iter().fold(0.0, most);

@@ -15,7 +15,7 @@
 
 use super::ball::{Ball, cross, determinant, dot};
 use super::cones::Sum;
-use super::ray::Posed;
+use super::ray::{Posed, side_of_shifted, surrounds};
 use super::{NotSolid, RelationQuery};
 use crate::bvtt::TrianglePair;
 use crate::exact::Exact;
@@ -41,8 +41,8 @@ pub struct Overlap<'s, 'a> {
     has_met: bool,
     /// 1, or −1 if the pose of the second mirrors it.
     turn: i32,
-    /// The lowest pair of a mesh of which a marked triangle meets the other mesh.
-    marked: Option<TrianglePair>,
+    /// Whether a marked triangle of each mesh meets the other mesh.
+    has_marked: [bool; 2],
 }
 
 /// An end of the segment in which two triangles meet: where an edge of one cuts the other.
@@ -63,8 +63,8 @@ impl<'s, 'a> Overlap<'s, 'a> {
     pub fn new(query: &'s RelationQuery<'a>) -> Self {
         let turn = if scale_of(query) < 0.0 { -1 } else { 1 };
         let origin = query.middle();
-        let (inside, has_met, marked) = (Default::default(), false, None);
-        Self { query, sum: Ball::default(), origin, inside, has_met, turn, marked }
+        let (inside, has_met, has_marked) = (Default::default(), false, [false; 2]);
+        Self { query, sum: Ball::default(), origin, inside, has_met, turn, has_marked }
     }
 
     /// Adds a pair of triangles that intersect.
@@ -86,15 +86,13 @@ impl<'s, 'a> Overlap<'s, 'a> {
     pub fn conclude(mut self) -> Result<[f64; 2], NotSolid> {
         for mesh in 0..2 {
             self.add_trees(mesh);
-            if self.inside[mesh].has_marked() {
-                self.marked = self.marked.or(self.query.solids[mesh].marked_pair());
+            let has_marked = self.has_marked[mesh] || self.inside[mesh].has_marked();
+            if let Some(pair) = self.query.solids[mesh].marked_pair().filter(|_| has_marked) {
+                return Err(NotSolid::MeetsItself { pair });
             }
             self.sum = self.sum + self.cones_inside(mesh);
         }
         self.sum.radius += self.rounding();
-        if let Some(pair) = self.marked {
-            return Err(NotSolid::MeetsItself { pair });
-        }
         let volume = self.sum * Ball::new(1.0 / 6.0, f64::EPSILON);
         // Rounded outward once more.
         let [low, high] = [volume.middle - volume.radius, volume.middle + volume.radius];
@@ -119,10 +117,8 @@ impl<'s, 'a> Overlap<'s, 'a> {
 
     fn add_posed<C: Posed>(&mut self, pair: TrianglePair) {
         let faces = [pair.a, pair.b];
-        for (solid, &face) in self.query.solids.iter().zip(&faces) {
-            if solid.is_marked(face) {
-                self.marked = solid.marked_pair();
-            }
+        for (mesh, &face) in faces.iter().enumerate() {
+            self.has_marked[mesh] |= self.query.solids[mesh].is_marked(face);
         }
         let facing = [0, 1].map(|mesh| self.facing(mesh, faces[mesh]));
         if facing == [0; 2] {
@@ -258,30 +254,14 @@ impl<'s, 'a> Overlap<'s, 'a> {
         let mut winding = 0;
         let _ = query.visit_overlapping(other, &query.box_of_ray(mesh, vertex, 0), |face| {
             let corners = C::corners(sides_of[other], face);
+            let (below, at) = (flat(&corners, 0), [point[1], point[2]]);
+            if !surrounds(&below, &at) {
+                return ControlFlow::Continue(());
+            }
             let turned = turn::<Exact<C>>(&corners, 0).unwrap_or(0);
-            let below = flat(&corners, 0);
-            let at = [point[1], point[2]];
-            let is_within = (0..3).all(|k| {
-                let (p, q) = (&below[k], &below[(k + 1) % 3]);
-                let side = match orient2d(p, q, &at) {
-                    // The shift is larger along the first of both axes.
-                    0 if p[1] != q[1] => {
-                        if p[1] > q[1] {
-                            shift
-                        } else {
-                            -shift
-                        }
-                    }
-                    0 => {
-                        if q[0] > p[0] {
-                            shift
-                        } else {
-                            -shift
-                        }
-                    }
-                    side => side,
-                };
-                side == turned
+            let is_within = [(0, 1), (1, 2), (2, 0)].iter().all(|&(p, q)| {
+                // The shift is larger along the first of both axes.
+                side_of_shifted([&below[p], &below[q]], &at, shift) == turned
             });
             if turned != 0 && is_within {
                 let [side] = shifted_sides(&corners, &[point], shift);

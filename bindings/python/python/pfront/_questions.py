@@ -643,7 +643,7 @@ def overlap_volume(a: MeshLike, b: MeshLike, pose: Pose = None, *, progress: Pro
     Raises
     ------
     NotSolid
-        If a mesh is none, or if any faces of it meet beyond the corners that they share.
+        If a mesh is none, or if faces of it meet beyond the corners that they share, inside the other or on its surface.
 
     Examples
     --------
