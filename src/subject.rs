@@ -121,5 +121,5 @@ impl<M: Borrow<Model>> Subject<M> {
 /// The tree of a model and itself. Fits its BVH and its certificates, if that has not been done.
 pub(crate) fn itself(model: &Model, adjacency: Adjacency, within: Distance) -> AnyBvtt<'_> {
     let tree = SelfBvtt::new(model.bvh()).with_adjacency(adjacency).within(within);
-    AnyBvtt::Itself(tree.with_certificates(model.certificates()))
+    AnyBvtt::Itself(tree.with_certificates(model.certificates_for(adjacency)))
 }

@@ -24,17 +24,25 @@ impl Certificates {
     /// # Errors
     /// [`Error::Memory`].
     pub(super) fn new(mesh: Mesh<'_>) -> Result<Self, Error> {
+        let mut new = Self::uncertified(mesh)?;
+        new.renew(mesh, None);
+        Ok(new)
+    }
+
+    /// Links the one-rings, of which none is certified yet.
+    fn uncertified(mesh: Mesh<'_>) -> Result<Self, Error> {
         let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
         let mut history = filled(0, history_bound(vertices))?;
         let mut scratch = filled(0, link_scratch_bound(vertices, triangles.len()))?;
         let linked = OneRings::new(vertices, triangles, &mut history, &mut scratch);
         debug_assert!(linked.is_ok(), "the buffers have their sizes");
-        let mut has_fans = false;
-        if let Ok(mut rings) = linked {
-            rings.certify(mesh, None);
-            has_fans = rings.has_fans();
-        }
+        let has_fans = linked.is_ok_and(|rings| rings.has_fans());
         Ok(Self { history, links: Vec::new(), has_fans })
+    }
+
+    /// Whether a mesh has vertices of many triangles. No, if there is no memory to find out: then a query takes longer.
+    pub(super) fn are_for_fans(mesh: Mesh<'_>) -> bool {
+        Self::uncertified(mesh).is_ok_and(|certificates| certificates.has_fans)
     }
 
     /// Certifies the one-rings for positions that have changed.

@@ -28,6 +28,7 @@ pub(crate) use passes::{ONE_THREAD, Parallel, THREADS};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::one_ring::Certified;
 use pfront_core::relation::{NotSolid, Rule};
+use pfront_core::triangle::Adjacency;
 use pfront_core::{Bvh, Mesh};
 use renewed::Renewed;
 pub(crate) use segment::hits;
@@ -64,6 +65,8 @@ pub struct Model {
     tree: Renewed<Tree>,
     /// Made when the mesh is first asked about itself.
     certificates: Renewed<Certificates>,
+    /// Whether there are vertices of many triangles; found when the mesh is first asked about itself without neighbours.
+    has_fans: OnceLock<bool>,
     /// Made when a scene first asks for it.
     sphere: OnceLock<Option<Sphere>>,
     /// Found when a scene first asks whether a point is inside.
@@ -204,6 +207,7 @@ impl Model {
             moves: Moves::default(),
             tree: Renewed::new(tree),
             certificates: Renewed::unmade(),
+            has_fans: OnceLock::new(),
             sphere: OnceLock::new(),
             rule: OnceLock::new(),
         }
@@ -241,6 +245,18 @@ impl Model {
         };
         let certified = certificates.certified(mesh);
         if certificates.has_fans() { self.tree().with_fans(certified, mesh) } else { certified }
+    }
+
+    /// The certificates that a self query under a rule for neighbours uses. Where they are left out, a common vertex is enough,
+    /// and only the marks around vertices of many triangles save time.
+    pub(crate) fn certificates_for(&self, adjacency: Adjacency) -> Certified<'_> {
+        let mesh = self.mesh();
+        let has_fans =
+            || *self.has_fans.get_or_init(|| with_default(|| Certificates::are_for_fans(mesh)));
+        if adjacency == Adjacency::SkipNeighbours && !has_fans() {
+            return Certified::new_unchecked(mesh, &[]);
+        }
+        self.certificates()
     }
 
     /// A sphere that contains every triangle, found at the first call and at the next after the model has
@@ -349,6 +365,7 @@ impl Clone for Model {
             moves: self.moves.clone(),
             tree,
             certificates: self.certificates.clone(),
+            has_fans: self.has_fans.clone(),
             sphere: self.sphere.clone(),
             rule: self.rule.clone(),
         }

@@ -1,8 +1,8 @@
 //! The triangles of a leaf in vector lanes.
 
 use super::PosedBvh;
+use super::trees::Shared;
 use crate::bvh::MAX_LEAF_SIZE;
-use crate::one_ring::OneRing;
 use crate::simd::point8::{
     Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
 };
@@ -59,14 +59,13 @@ impl TriangleBlock {
         }
     }
 
-    /// Loads, poses and prepares the triangles of the leaf with index `node`. With `SELF`, `rings` are certificates of its
-    /// vertices.
+    /// Loads, poses and prepares the triangles of the leaf with index `node`. With `SELF`, vertices are certified as `shared` says.
     #[inline(always)]
     fn fill<S: Simd, const SELF: bool>(
         &mut self,
         node: u32,
         side: &PosedBvh<'_>,
-        rings: &[OneRing],
+        shared: Shared<'_>,
     ) {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
         let triangles = side.bvh.leaf_triangles(leaf);
@@ -87,9 +86,8 @@ impl TriangleBlock {
                 }
                 let key = vertex_key(vertex);
                 self.vertices[k][lane] = key;
-                if let Some(ring) = rings.get(vertex as usize) {
-                    self.certified[k] |= u32::from(ring.is_certified() && !key.is_nan()) << lane;
-                }
+                let is_certified = shared.is_certified(vertex) && !key.is_nan();
+                self.certified[k] |= u32::from(is_certified) << lane;
             }
         }
         for lane in chunk_starts::<S>() {
@@ -149,11 +147,11 @@ impl BlockCache {
         &mut self,
         node: u32,
         side: &PosedBvh<'_>,
-        rings: &[OneRing],
+        shared: Shared<'_>,
     ) -> &TriangleBlock {
         let block = self.0[node as usize % CACHED].get_or_insert_with(TriangleBlock::empty);
         if block.node != node {
-            block.fill::<S, SELF>(node, side, rings);
+            block.fill::<S, SELF>(node, side, shared);
         }
         block
     }

@@ -378,8 +378,8 @@ impl Found {
         n: NodePair,
         [blocks_a, blocks_b]: &mut [BlockCache; 2],
     ) -> u64 {
-        let a = blocks_a.get::<S, false>(n.a, &query.a, &[]);
-        let b = blocks_b.get::<S, false>(n.b, &query.b, &[]);
+        let a = blocks_a.get::<S, false>(n.a, &query.a, query.shared());
+        let b = blocks_b.get::<S, false>(n.b, &query.b, query.shared());
         if a.is_apart::<S>(b, self.reach, query.error()) {
             return 1;
         }

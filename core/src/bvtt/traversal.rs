@@ -141,8 +141,9 @@ impl<const SELF: bool> Bvtt<'_, SELF> {
         cursor: &mut Cursor,
         visit: &mut Visitor<'_>,
     ) -> ControlFlow<()> {
-        let a = blocks_a.get::<S, SELF>(n.a, &self.a, self.rings);
-        let b = blocks_b.get::<S, SELF>(n.b, &self.b, self.rings);
+        let shared = self.shared();
+        let a = blocks_a.get::<S, SELF>(n.a, &self.a, shared);
+        let b = blocks_b.get::<S, SELF>(n.b, &self.b, shared);
         let mut allowed = cursor.bits_left();
         if SELF && n.a == n.b {
             allowed &= BEFORE;

@@ -64,6 +64,21 @@ pub struct Bvtt<'a, const SELF: bool> {
     pub(super) leaf_edge: f32,
 }
 
+/// The vertices around which no two triangles of a mesh are a hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shared<'a> {
+    /// All of them.
+    pub(super) none_is_hit: bool,
+    pub(super) rings: &'a [OneRing],
+}
+
+impl Shared<'_> {
+    #[inline(always)]
+    pub(super) fn is_certified(self, vertex: u32) -> bool {
+        self.none_is_hit || self.rings.get(vertex as usize).is_some_and(|ring| ring.is_certified())
+    }
+}
+
 /// The shadows of two meshes as a query in f64 poses them, for a device that poses them by itself: both into the frame whose
 /// origin is that of the first shadow as it is posed. See `PairBvtt::shadows`.
 #[cfg(feature = "f64")]
@@ -410,9 +425,13 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     #[cold]
     fn share_certified_hub(&self, n: NodePair) -> bool {
         let [a, b] = [n.a, n.b].map(|node| hub_of(&self.a.bvh, self.rings, node));
-        let certified =
-            |hub: u32| self.rings.get(hub as usize).is_some_and(|ring| ring.is_certified());
-        a == b && a.is_some_and(certified)
+        a == b && a.is_some_and(|hub| self.shared().is_certified(hub))
+    }
+
+    /// What it says of triangles of one mesh that they share a vertex.
+    #[inline(always)]
+    pub(super) fn shared(&self) -> Shared<'a> {
+        Shared { none_is_hit: self.adjacency == Adjacency::SkipNeighbours, rings: self.rings }
     }
 
     /// The boxes of both nodes in the frame in which all boxes are compared.

@@ -3,6 +3,7 @@
 use super::super::PosedBvh;
 use super::super::block::BlockCache;
 use super::super::cull::PairSets;
+use super::super::trees::Shared;
 use crate::exact::difference;
 use crate::exact::orientation::sides;
 use crate::one_ring::{OneRing, OneRings, history_bound, link_scratch_bound};
@@ -49,8 +50,9 @@ impl Task for Two<'_> {
         });
         let mut caches = [BlockCache::new(), BlockCache::new()];
         let [a, b] = &mut caches;
-        let a = a.get::<S, true>(0, &first, rings);
-        let b = b.get::<S, true>(0, &second, rings);
+        let shared = Shared { none_is_hit: false, rings };
+        let a = a.get::<S, true>(0, &first, shared);
+        let b = b.get::<S, true>(0, &second, shared);
         Found {
             boxes: a.cull::<S, true>(b, u64::MAX, true, None).open,
             in_mesh: a.cull::<S, true>(b, u64::MAX, false, None),
