@@ -158,8 +158,8 @@ impl TriangleBlock {
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles.
             if S::WIDTH > 1 && distinct != 0 {
-                let [met, apart] = own.decide(&others, &of_own, &of_others);
-                meet[0] = distinct & met;
+                let [met, apart] = own.decide(&others, &of_own, &of_others, distinct);
+                meet[0] = met;
                 distinct &= !(met | apart);
             }
             if S::WIDTH > 1 && distinct != 0 && error.is_none() {

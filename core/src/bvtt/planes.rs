@@ -101,13 +101,22 @@ impl<S: Simd> Planes<S> {
         farther.on_one_side(farther.of, farther.of)
     }
 
-    /// Lanes in which this triangle certainly intersects `other`, and lanes in which it certainly does not, where neither
-    /// plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
+    /// The `candidates` in which this triangle certainly intersects `other`, and those in which it certainly does not, where
+    /// neither plane separates the two. `own` are the heights of this triangle over the plane of `other`, and `others` those of
     /// `other` over this plane.
     #[inline(always)]
-    pub(super) fn decide(&self, other: &Self, own: &Heights<S>, others: &Heights<S>) -> [u32; 2] {
+    pub(super) fn decide(
+        &self,
+        other: &Self,
+        own: &Heights<S>,
+        others: &Heights<S>,
+        candidates: u32,
+    ) -> [u32; 2] {
         let (own, others) = (own.signs(), others.signs());
-        let known = S::bits(are_nonzero(own) & are_nonzero(others));
+        let known = candidates & S::bits(are_nonzero(own) & are_nonzero(others));
+        if known == 0 {
+            return [0; 2];
+        }
         let [first, second] = self.interval_signs(other, own, others, None);
         let (one, minus_one) = (S::splat(1.0), S::splat(-1.0));
         let meet = S::bits(first.eq(minus_one) & second.eq(one));
