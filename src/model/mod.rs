@@ -375,8 +375,28 @@ impl Clone for Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pfront_core::bvtt::Query;
     use pfront_testkit::rng::{RngExt, seeded};
     use pfront_testkit::shapes::sheet;
+
+    /// Neighbours are left out without one-rings, but for the marks around a vertex of many triangles, certified or not.
+    #[test]
+    fn one_rings_are_made_for_fans_alone_where_neighbours_are_left_out() {
+        let rule = Adjacency::SkipNeighbours;
+        let flat = sheet(5, |_, _| 0.0);
+        let model = Model::new(flat.positions, flat.triangles).unwrap();
+        model.certificates_for(rule);
+        assert!(model.certificates.fresh().is_none());
+        // A disc that is crumpled, so that its centre is not certified.
+        let rim = |i: u32| [(0.5 * i as f32).cos(), (0.5 * i as f32).sin(), (i % 3) as f32];
+        let points = std::iter::once([0.0; 3]).chain((0..100).map(rim)).collect();
+        let triangles = (0..100).map(|i| [0, 1 + i, 1 + (i + 1) % 100]).collect();
+        let model = Model::new(points, triangles).unwrap();
+        assert!(!model.certificates_for(rule).is_certified(0));
+        let tree = pfront_core::bvtt::SelfBvtt::new(model.bvh()).with_adjacency(rule);
+        assert!(!tree.start().is_done());
+        assert!(tree.with_certificates(model.certificates_for(rule)).start().is_done());
+    }
 
     #[test]
     fn the_stamp_of_a_tree_that_is_to_be_built_changes_with_the_positions() {

@@ -428,7 +428,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         a == b && a.is_some_and(|hub| self.shared().is_certified(hub))
     }
 
-    /// What it says of triangles of one mesh that they share a vertex.
+    /// The vertices of one mesh around which no two triangles are a hit.
     #[inline(always)]
     pub(super) fn shared(&self) -> Shared<'a> {
         Shared { none_is_hit: self.adjacency == Adjacency::SkipNeighbours, rings: self.rings }
