@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use pfront::gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion, Timing};
-use pfront::threads::{Pool, Report};
+use pfront::threads::{Pool, Report, Schedule, Settings};
 use pfront::{Executor, TrianglePair};
 use pfront_cli::executor::adapter_name;
 use pfront_cli::output::out;
@@ -36,6 +36,9 @@ pub(crate) struct Profile {
     /// Run only so many frames; a built-in scene may go on beyond its own
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
+    /// Divide frames once, as the paper does
+    #[arg(long = "static")]
+    is_static: bool,
     /// Also each pass of a GPU about two objects, by the device's own clock
     #[arg(long)]
     gpu: bool,
@@ -82,7 +85,9 @@ pub(crate) fn run(asked: &Profile) -> Result<bool> {
 /// Plays a scene on `p` threads of a pool of their own.
 fn played(asked: &Profile, scene: &str, p: usize) -> Result<Row> {
     let pool = Arc::new(ThreadPoolBuilder::new().num_threads(p).build()?);
-    let executor = Executor::from(Pool::from(pool).measured());
+    let schedule = if asked.is_static { Schedule::Static } else { Schedule::Hybrid };
+    let settings = Settings { schedule, ..Settings::default() };
+    let executor = Executor::from(Pool::from(pool).with_settings(settings));
     let (header, mut recording) = Recording::open(scene, asked.size, asked.frames)?;
     let bar = progress(header.frames.into(), "frame");
     let mut player = Player::new(Objects::new(header)?, &executor)?;
