@@ -288,17 +288,6 @@ fn greatest_below(query: &PairBvtt<'_>, pair: TrianglePair, high: f32) -> f32 {
 }
 
 impl PairBvtt<'_> {
-    /// The corners of two triangles in f64, as they are posed.
-    fn corners(&self, pair: TrianglePair) -> [[[f64; 3]; 3]; 2] {
-        match self.error() {
-            None => {
-                let in_f32 = [self.a.triangle(pair.a), self.b.triangle(pair.b)];
-                in_f32.map(|triangle| triangle.map(|p| p.map(f64::from)))
-            }
-            Some(_) => [self.a.triangle_f64(pair.a), self.b.triangle_f64(pair.b)],
-        }
-    }
-
     /// Whether two triangles are at most so far apart, exactly.
     #[inline(never)]
     fn are_within(&self, pair: TrianglePair, distance: f32) -> bool {

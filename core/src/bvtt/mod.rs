@@ -41,6 +41,7 @@ mod cull;
 mod cursor;
 #[cfg(feature = "within")]
 mod distance;
+mod meet;
 mod near;
 mod nearest;
 mod planes;

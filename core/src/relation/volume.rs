@@ -19,12 +19,9 @@ use super::ray::{Posed, side_of_shifted, surrounds};
 use super::{NotSolid, RelationQuery};
 use crate::bvtt::TrianglePair;
 use crate::exact::Exact;
-use crate::exact::difference;
-use crate::exact::filter64::{ERROR_3D, UNDERFLOW_3D, larger};
-use crate::exact::integer::orient3d_ratio;
 use crate::exact::orientation::{orient2d, sides};
 use crate::scalar::Scalar;
-use crate::triangle::{flat, turn};
+use crate::triangle::{flat, fraction, turn};
 use core::ops::ControlFlow;
 use glam::DVec3;
 
@@ -142,7 +139,8 @@ impl<'s, 'a> Overlap<'s, 'a> {
         for (end, point) in ends.iter().zip(&mut points) {
             let (own, other) = (end.mesh, 1 - end.mesh);
             let [p, q] = [end.edge, (end.edge + 1) % 3].map(|k| &t[own][k]);
-            let fraction = fraction(&t[other], p, q);
+            let [middle, radius] = fraction(&t[other], p, q);
+            let fraction = Ball::new(middle, radius);
             let ([from, to], mut cut) = ([self.point(p), self.point(q)], [Ball::default(); 3]);
             for k in 0..3 {
                 cut[k] = from[k] + (to[k] - from[k]) * fraction;
@@ -321,20 +319,4 @@ fn is_after<C: Scalar>([p, q]: &[[C; 3]; 2], [r, s]: &[[C; 3]; 2]) -> bool {
         orient2d(&r, &s, &q) - orient2d(&r, &s, &p)
     });
     turned.into_iter().find(|&turned| turned != 0).is_some_and(|turned| turned > 0)
-}
-
-/// The fraction of the segment from p to q at which it cuts the plane of a triangle.
-fn fraction<C: Scalar>(t: &[[C; 3]; 3], p: &[C; 3], q: &[C; 3]) -> Ball {
-    let [u, v, to_p, to_q] = [&t[1], &t[2], p, q].map(|x| difference(x, &t[0]));
-    let normal = u.cross(v);
-    let extent = larger(larger(u.abs(), v.abs()), larger(to_p.abs(), to_q.abs()));
-    let error = extent.x * extent.y * extent.z * ERROR_3D + UNDERFLOW_3D;
-    let (before, after) = (normal.dot(to_p), normal.dot(to_q));
-    // They are of different signs, or 0.
-    let whole = before.abs() + after.abs();
-    let radius = error / (whole - 2.0 * error);
-    if whole > 4.0 * error && radius < 5e-14 {
-        return Ball::new(before / (before - after), radius + 4.0 * f64::EPSILON);
-    }
-    Ball::new(orient3d_ratio(t.each_ref(), p, q).clamp(0.0, 1.0), 1e-14)
 }

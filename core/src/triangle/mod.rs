@@ -25,8 +25,10 @@
 mod contact;
 mod coplanar;
 mod in_mesh;
+mod meet;
 #[cfg(feature = "within")]
 mod nearest;
+mod ratio;
 mod within;
 
 use coplanar::coplanar_triangles_intersect;
@@ -38,8 +40,12 @@ pub(crate) use contact::{contact_of, posed_contact};
 #[cfg(feature = "relation")]
 pub(crate) use in_mesh::intersects_as_in_mesh;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
+pub(crate) use meet::meet_of;
+pub use meet::{Meet, Region, meet, meet_f64};
 #[cfg(feature = "within")]
 pub(crate) use nearest::{Nearest, UNDERFLOW, nearest};
+#[cfg(feature = "relation")]
+pub(crate) use ratio::fraction;
 pub use within::within;
 pub(crate) use within::within_in_f64;
 

@@ -234,6 +234,13 @@ fn queries_in_f64() {
     for pose in [Pose64::IDENTITY, pose] {
         let query = PairBvtt::in_f64(bvh, bvh, &pose).unwrap();
         let all = (0..200).flat_map(|a| (0..200).map(move |b| TrianglePair { a, b }));
+        check("meet", || {
+            for pair in all.clone() {
+                let [a, b] = query.corners(pair);
+                let found = query.meet(pair);
+                found.iter().for_each(|meet| meet.points(&a, &b).for_each(|p| _ = black_box(p)));
+            }
+        });
         check("contact_f64", || all.for_each(|pair| _ = black_box(query.contact_f64(pair))));
     }
 }

@@ -10,12 +10,14 @@
 mod crossing;
 mod distance;
 mod lattice;
+mod meet;
 mod mesh;
 mod segment;
 
 pub use crossing::crossing_points;
 pub use distance::{within, within_each};
 pub use lattice::Coordinate;
+pub use meet::{Meet, OnLattice, meet};
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 pub use segment::first_parameter;
 
