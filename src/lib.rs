@@ -69,6 +69,7 @@ mod memory;
 mod model;
 mod once;
 mod pair;
+mod patches;
 mod pose;
 mod relation;
 mod scene;
@@ -85,6 +86,7 @@ pub use itself::SelfQuery;
 pub use model::{Model, Scalar, Stamp};
 pub use once::{any, count, distance, pairs, self_pairs};
 pub use pair::PairQuery;
+pub use patches::{ContactPatch, ContactSize};
 pub use pose::AnyPose;
 pub use scene::{
     Allowed, Body, BodyId, BodyLocation, BodyOptions, CheckReport, CheckedPair, Groups, Piece,

@@ -4,7 +4,9 @@ use crate::environment::with_default;
 use crate::executor::Plan;
 use crate::subject::Subject;
 use crate::subject_query::SubjectQuery;
-use crate::{AnyPose, Contact, Distance, Error, Executor, Gap, Model, TrianglePair};
+use crate::{
+    AnyPose, Contact, ContactPatch, Distance, Error, Executor, Gap, Model, Pose64, TrianglePair,
+};
 use std::ops::ControlFlow;
 
 /// Asks which triangles of two models meet, the second in the pose `a_from_b`.
@@ -206,6 +208,56 @@ impl PairQuery {
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         let subject = self.subject(a, b, a_from_b)?;
         self.query.contacts_f64(&subject)
+    }
+
+    /// All that two surfaces have in common, the second in the pose `a_from_b`, in connected patches, in the order of their lowest pairs.
+    /// Exact signs tell which triangles belong together, dimensions, and whether a patch is closed. Lengths and areas are intervals that
+    /// hold the true values for the positions as they are posed, in the frame and the units of `a`. Each point is within 2^-42 of the length of
+    /// the edge that it lies on and 2^-50 of its coordinates, and intervals are as wide as that and the roundings of sums make them.
+    ///
+    /// Equal positions are one vertex. Where a mesh meets itself, what it covers twice counts twice, and what is joined only there counts as
+    /// two patches; lines along triangles without area count from nothing to in full.
+    ///
+    /// # Errors
+    /// As [`PairQuery::all`].
+    ///
+    /// # Complexity
+    /// As [`PairQuery::all`], some microseconds a pair, which several threads divide, and O(n log n) for n pairs. Takes some 400 bytes a
+    /// pair, and 1,300 one of flush triangles.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose};
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let model = Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+    /// // Their surfaces cross in one curve that comes back to where it began.
+    /// let patches = PairQuery::new().patches(&model, &model, Pose::from_translation([0.25, 0.125, 0.0625]))?;
+    /// assert!(patches.len() == 1 && patches[0].dimension == 1 && patches[0].is_closed);
+    /// // And they touch in a corner.
+    /// let patches = PairQuery::new().patches(&model, &model, Pose::from_translation([1.0, 0.0, 0.0]))?;
+    /// assert!(patches.len() == 1 && patches[0].dimension == 0 && patches[0].points == [[1.0, 0.0, 0.0]]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn patches(
+        &mut self,
+        a: &Model,
+        b: &Model,
+        a_from_b: impl Into<AnyPose>,
+    ) -> Result<Vec<ContactPatch>, Error> {
+        self.patches_in([a, b], a_from_b.into(), &Pose64::IDENTITY)
+    }
+
+    /// The same measured in a world, in which the first model is posed.
+    pub(crate) fn patches_in(
+        &mut self,
+        models: [&Model; 2],
+        pose: AnyPose,
+        world_from_a: &Pose64,
+    ) -> Result<Vec<ContactPatch>, Error> {
+        with_default(|| {
+            let subject = Subject::pair(models, pose, Distance::default())?;
+            self.query.patches(&subject, world_from_a)
+        })
     }
 
     /// The smallest distance of the two models in the frame of `a`, and where it is; 0 if they intersect, whatever

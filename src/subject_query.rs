@@ -3,12 +3,15 @@
 
 use crate::environment::{Environment, with_default};
 use crate::executor::{
-    Answer, Backend, CONTACTS, CpuHistory, Device, Executor, Frame, History, Meeting, Mirrors,
-    Plan, Verb, visit as search,
+    Answer, Backend, CONTACTS, CpuHistory, CpuPart, Device, Executor, Frame, History, Meeting,
+    Mirrors, Plan, Verb, check, visit as search,
 };
-use crate::memory::filled;
+use crate::memory::{filled, push};
+use crate::patches::pieces::Pieces;
+use crate::patches::vertices::Vertices;
+use crate::patches::{ContactPatch, assemble};
 use crate::subject::{Key, Subject};
-use crate::{AnyPose, Contact, Distance, Error, Model, Scalar, Solid, TrianglePair};
+use crate::{AnyPose, Contact, Distance, Error, Model, Pose64, Scalar, Solid, TrianglePair};
 use pfront_core::bvtt::{AnyBvtt, Gap, Query};
 use pfront_core::relation::{Between, RelationQuery, Seen, seen_bound};
 use std::ops::ControlFlow;
@@ -175,6 +178,33 @@ impl SubjectQuery {
             )?;
             Ok(contacts)
         })
+    }
+
+    /// All that two surfaces have in common, in patches, measured in a world. Several threads divide the pairs.
+    pub(crate) fn patches(
+        &mut self,
+        subject: &Subject<&Model>,
+        world_from_a: &Pose64,
+    ) -> Result<Vec<ContactPatch>, Error> {
+        self.ask(subject, Verb::All)?;
+        let (outlines, mut pieces) = (Default::default(), Vec::new());
+        let AnyBvtt::Pair(tree) = subject.untraversed(&outlines)? else { return Ok(Vec::new()) };
+        let meshes = subject.both().map(|model| model.mesh());
+        let vertices = Vertices::new(meshes, &tree, &self.pairs)?;
+        let (part, flag) = (CpuPart::new(), self.history.executor().cancel_flag());
+        let list = |pairs: &[TrianglePair], out: &mut Vec<Pieces>| {
+            part.works();
+            let mut own = Pieces::default();
+            for &pair in pairs {
+                check(flag)?;
+                own.add(&tree, &vertices, pair, world_from_a)?;
+            }
+            push(out, own)
+        };
+        let listed = self.history.by_pieces(&self.pairs, CONTACTS, list, &mut pieces);
+        self.history.note_also(part.backend());
+        listed?;
+        assemble(&self.pairs, pieces)
     }
 
     /// Answers in the default floating-point environment, in which it is called.

@@ -149,6 +149,8 @@ fn pairs_that_do_not_fit_into_memory_are_refused() {
         let contacts =
             |query: &mut PairQuery| query.contacts_f64(&a, &b, pose).map(|own| own.len());
         assert!(with_each_failure(&named("contacts_f64"), query, contacts) > 3);
+        let patches = |query: &mut PairQuery| query.patches(&a, &b, pose);
+        assert!(with_each_failure(&named("patches"), query, patches) > 10);
         // With a history of another question.
         let asked = || {
             let mut query = query();

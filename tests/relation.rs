@@ -210,8 +210,17 @@ fn a_check_measures_in_the_world() {
         assert!(low <= 0.25 && 0.25 <= high && high - low < 1e-5, "{low} {high}");
         assert!(!crossing.is_allowed && !beside.is_allowed && !report.is_allowed());
         let relations = vec![Relation::Near, Relation::Apart];
-        let most = Allowed { relations, overlap_volume: 100.001 };
-        assert!(scene.check(&most).unwrap().is_allowed());
+        let most = Allowed { relations, overlap_volume: 100.001, with_contacts: true };
+        let report = scene.check(&most).unwrap();
+        assert!(report.is_allowed());
+        // The four sides of the overlap are flush, and its ends are their outline; the relative pose is rounded.
+        let size = report.pairs.iter().find_map(|pair| pair.contact).unwrap();
+        for ([low, high], expected) in [(size.area, 50.0), (size.length, 100.0)] {
+            assert!((low - expected).abs() < 1e-9 && (high - expected).abs() < 1e-9, "{size:?}");
+            assert!(low <= high);
+        }
+        assert_eq!((size.dimension, size.patches), (2, 1));
+        assert_eq!(report.pairs.iter().filter(|pair| pair.contact.is_some()).count(), 1);
     }
 }
 

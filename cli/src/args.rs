@@ -368,6 +368,9 @@ pub(crate) struct Check {
     /// Allow bodies to cross if their common volume is certainly at most this
     #[arg(long, value_name = "VOLUME", default_value_t = 0.0, value_parser = distance)]
     pub(crate) allow_overlap: f64,
+    /// Measure contacts too: their patches, the length of curves and outlines, and areas
+    #[arg(long)]
+    pub(crate) patches: bool,
     /// Leave out two bodies, by their names, where * stands for any characters and ? for one; may be given again
     #[arg(long, num_args = 2, value_names = ["BODY", "BODY"])]
     pub(crate) ignore: Vec<String>,

@@ -9,7 +9,8 @@ use crate::environment::with_default;
 use crate::executor::{self, CpuPart};
 use crate::memory::push;
 use crate::{
-    AnyPose, Between, Distance, Error, Model, NotSolid, PairQuery, Pose64, Relation, Solid,
+    AnyPose, Between, ContactSize, Distance, Error, Model, NotSolid, PairQuery, Pose64, Relation,
+    Solid,
 };
 use pfront_core::bvtt::{PairBvtt, Query};
 use std::collections::BTreeMap;
@@ -152,6 +153,7 @@ fn checked(
         relation: None,
         meets: false,
         overlap_volume: None,
+        contact: None,
         gap: None,
         pair: None,
         place: None,
@@ -183,6 +185,11 @@ fn checked(
         let tree = AnyPose::from(pose).pair([a.model().bvh(), b.model().bvh()])?;
         let contact = tree.contact_f64(pair);
         found.place = contact.map(|contact| a.pose().to_f64().apply(contact.segment[0]));
+    }
+    if found.meets && allowed.with_contacts {
+        let models = [&**a.model(), &**b.model()];
+        let patches = query.patches_in(models, pose.into(), &a.pose().to_f64())?;
+        found.contact = ContactSize::of(&patches);
     }
     if found.relation == Some(Relation::Apart)
         && within > Distance::default()

@@ -1,7 +1,7 @@
 //! The report about the bodies of a scene, and the relations that are allowed in it.
 
 use super::id::BodyId;
-use crate::{NotSolid, Relation, TrianglePair};
+use crate::{ContactSize, NotSolid, Relation, TrianglePair};
 
 /// The relations of two bodies that are allowed. By default they may be apart or touch, and overlap by nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,11 +10,14 @@ pub struct Allowed {
     pub relations: Vec<Relation>,
     /// The largest volume by which two bodies that cross may overlap: flush parts cross by what rounding makes of them.
     pub overlap_volume: f64,
+    /// Whether the contact of bodies that meet is measured too, which takes as long as all their pairs and more.
+    pub with_contacts: bool,
 }
 
 impl Default for Allowed {
     fn default() -> Self {
-        Self { relations: vec![Relation::Apart, Relation::Touching], overlap_volume: 0.0 }
+        let relations = vec![Relation::Apart, Relation::Touching];
+        Self { relations, overlap_volume: 0.0, with_contacts: false }
     }
 }
 
@@ -29,6 +32,8 @@ pub struct CheckedPair {
     pub meets: bool,
     /// An interval that holds the common volume, in the world, of bodies that cross, if neither meets itself where they do.
     pub overlap_volume: Option<[f64; 2]>,
+    /// The contact, in the world, of bodies whose surfaces meet, if [that is asked](Allowed::with_contacts).
+    pub contact: Option<ContactSize>,
     /// An interval that holds the smallest distance in the world of bodies that are near.
     pub gap: Option<[f64; 2]>,
     /// A pair of triangles that shows the relation; the nearest of bodies that are near.

@@ -139,6 +139,66 @@ pub fn truth(a: &BTreeSet<Cell>, b: &BTreeSet<Cell>) -> Truth {
     Truth { word, meets, volume }
 }
 
+/// A connected part of what two surfaces have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Patch {
+    /// 0 for a point, 1 for lines, 2 if there are squares.
+    pub dimension: usize,
+    /// The number of unit squares.
+    pub area: usize,
+    /// The number of unit edges with at most one of the squares beside them.
+    pub length: usize,
+    /// Whether no edge has one square beside it, and no point ends one edge alone.
+    pub is_closed: bool,
+}
+
+/// Unit squares, unit edges and lattice points, by twice their middle: a coordinate is odd along each axis in which they are long.
+fn parts(cells: &BTreeSet<Cell>) -> BTreeSet<Cell> {
+    let mut parts = BTreeSet::new();
+    for cell in cells {
+        for towards in NEIGHBOURS.into_iter().filter(|n| !cells.contains(&plus(*cell, *n))) {
+            let middle = [0, 1, 2].map(|k| 2 * cell[k] + 1 + towards[k]);
+            let around = cells_of_box([3; 3]).map(|p| plus(p, [-1; 3]));
+            let within = around.filter(|p| (0..3).all(|k| p[k] == 0 || towards[k] == 0));
+            parts.extend(within.map(|p| plus(middle, p)));
+        }
+    }
+    parts
+}
+
+/// The connected parts of what the surfaces of two sets of cells have in common, sorted.
+pub fn patches(a: &BTreeSet<Cell>, b: &BTreeSet<Cell>) -> Vec<Patch> {
+    let all: BTreeSet<Cell> = parts(a).intersection(&parts(b)).copied().collect();
+    let dimension = |part: &Cell| part.iter().filter(|x| **x % 2 != 0).count();
+    let beside = |part: Cell| {
+        let near = NEIGHBOURS.map(|towards| plus(part, towards));
+        near.into_iter().filter(|other| all.contains(other)).collect::<Vec<_>>()
+    };
+    let above = |part: &Cell| {
+        beside(*part).into_iter().filter(|other| dimension(other) > dimension(part)).count()
+    };
+    let (mut left, mut found) = (all.clone(), Vec::new());
+    while let Some(first) = left.pop_first() {
+        let (mut own, mut open) = (Vec::new(), vec![first]);
+        while let Some(part) = open.pop() {
+            own.push(part);
+            open.extend(beside(part).into_iter().filter(|other| left.remove(other)));
+        }
+        let count = |of: usize, is: &dyn Fn(usize) -> bool| {
+            own.iter().filter(|part| dimension(part) == of && is(above(part))).count()
+        };
+        let most = own.iter().map(dimension).max().unwrap_or(0);
+        found.push(Patch {
+            dimension: most,
+            area: count(2, &|_| true),
+            length: count(1, &|squares| squares <= 1),
+            is_closed: most > 0 && count(1, &|n| n == 1) + count(0, &|n| n == 1) == 0,
+        });
+    }
+    found.sort_unstable();
+    found
+}
+
 /// A pair of solids of one of some families: unions, equal ones of other blocks, parts, complements, and what is in a cavity.
 pub fn pair(rng: &mut impl Rng) -> [Blocks; 2] {
     let mut size = || [0; 3].map(|_| rng.random_range(1..=3));

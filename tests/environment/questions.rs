@@ -38,6 +38,7 @@ pub(crate) enum Answer {
     Pairs(Vec<TrianglePair>),
     Contacts(Vec<(TrianglePair, Contact)>),
     ContactsF64(Vec<(TrianglePair, Contact<f64>)>),
+    Patches(Vec<ContactPatch>),
     /// The intervals, since any of the pairs that intersect may be told.
     Gaps(Vec<Option<[f64; 2]>>),
     /// Bodies by the order in which they were added.
@@ -100,6 +101,7 @@ fn pairs(named: &mut Named, kind: &str, [a, b]: &[Arc<Model>; 2], pose: AnyPose,
     add("all", Answer::Pairs(query.all(a, b, pose).unwrap().to_vec()));
     add("contacts", Answer::Contacts(query.contacts(a, b, pose).unwrap().to_vec()));
     add("contacts_f64", Answer::ContactsF64(query.contacts_f64(a, b, pose).unwrap()));
+    add("patches", Answer::Patches(query.patches(a, b, pose).unwrap()));
     add("distance", vec![query.distance(a, b, pose).unwrap()].into());
     add("distance_below", vec![query.distance_below(a, b, pose, 1e-40).unwrap()].into());
     let mut count = 0;
@@ -161,7 +163,12 @@ fn solids(named: &mut Named, on: &Executor) {
         let mut scene = SceneQuery::new().on(on);
         scene.add(model.clone(), Pose::IDENTITY).unwrap();
         scene.add(model.clone(), pose).unwrap();
-        let report = scene.check(&Allowed::default()).unwrap();
+        let patches = query.patches(&model, &model, pose).unwrap();
+        let size = ContactSize::of(&patches);
+        let sizes = size.map_or([None; 2], |size| [Some(size.length), Some(size.area)]);
+        named.push((format!("ContactSize::of, {number}"), sizes.to_vec().into()));
+        let allowed = Allowed { with_contacts: true, ..Allowed::default() };
+        let report = scene.check(&allowed).unwrap();
         let relations = report.pairs.iter().map(|pair| pair.relation.map_or(99, |r| r as u64));
         named.push((format!("SceneQuery::check, {number}"), Answer::Count(relations.sum())));
     }

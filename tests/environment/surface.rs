@@ -1,11 +1,11 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 13] = [
+const SURFACE: [(&str, &str, &str, &str); 14] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
-        "all any count visit contacts contacts_f64 distance distance_below",
+        "all any count visit contacts contacts_f64 patches distance distance_below",
         "new on within report forget plan",
     ),
     (
@@ -66,6 +66,7 @@ const SURFACE: [(&str, &str, &str, &str); 13] = [
          try_clone segment segment_first",
         "mesh stamp options is_f64",
     ),
+    ("ContactSize", include_str!("../../src/patches/mod.rs"), "of", ""),
     ("AnyPose", include_str!("../../src/pose.rs"), "pair to_f64", "is_f64"),
 ];
 

@@ -108,7 +108,8 @@ fn pfront_scene_check(
         }
         let is_allowed = |name: pfront_relation_t| relations & 1 << name as u32 != 0;
         let all = RELATIONS.iter().filter(|(_, name)| is_allowed(*name));
-        may = Allowed { relations: all.map(|(relation, _)| *relation).collect(), overlap_volume };
+        may.relations = all.map(|(relation, _)| *relation).collect();
+        may.overlap_volume = overlap_volume;
     }
     let report = query.check(&may)?;
     out.set(checked, report.pairs.iter().map(pfront_checked_pair_t::from))?;

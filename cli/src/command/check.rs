@@ -6,7 +6,7 @@ use crate::args::Check;
 use crate::listing::{HIT, PLAIN, count, posed};
 use crate::progress::shown;
 use anyhow::{Context, Result, ensure};
-use pfront::{Allowed, BodyId, CheckReport, CheckedPair, Pose, Relation, SceneQuery};
+use pfront::{Allowed, BodyId, CheckReport, CheckedPair, ContactSize, Pose, Relation, SceneQuery};
 use pfront_cli::json::{VERSION, write_json};
 use pfront_cli::output::{Draft, out};
 use pfront_files::escape::escaped;
@@ -50,7 +50,11 @@ pub(crate) fn run(asked: &Check) -> Result<bool> {
             }
         }
     }
-    let mut allowed = Allowed { overlap_volume: asked.allow_overlap, ..Allowed::default() };
+    let mut allowed = Allowed {
+        overlap_volume: asked.allow_overlap,
+        with_contacts: asked.patches,
+        ..Allowed::default()
+    };
     for word in &asked.allow {
         allowed.relations.push(relation(word)?);
     }
@@ -107,6 +111,15 @@ fn pair_json(pair: &CheckedPair, names: &Names) -> Value {
     }
     if let Some(volume) = pair.overlap_volume {
         add("overlap_volume", json!(volume));
+    }
+    if let Some(ContactSize { dimension, patches, length, area }) = pair.contact {
+        let size = json!({
+            "dimension": dimension,
+            "regions": patches,
+            "length": length,
+            "area": area,
+        });
+        add("contact", size);
     }
     if let Some(place) = pair.place {
         add("place", json!(place));
@@ -167,6 +180,10 @@ fn write_text(report: &CheckReport, names: &Names) -> Result<()> {
         }
         if let Some(gap) = pair.gap {
             write!(out, "  gap {}", interval(gap))?;
+        }
+        if let Some(ContactSize { patches, length, area, .. }) = pair.contact {
+            let regions = count(patches, "region");
+            write!(out, "  {regions}, length {}, area {}", interval(length), interval(area))?;
         }
         if let Some([x, y, z]) = pair.place {
             write!(out, "  at {x} {y} {z}")?;

@@ -4,7 +4,7 @@ use super::{PairBvtt, TrianglePair};
 use crate::triangle::{Meet, meet_of};
 
 impl PairBvtt<'_> {
-    /// The corners of two triangles as the query poses them. Those in f32 are the same in f64.
+    /// The corners of two triangles as the query poses them. Corners in f32 are the same in f64.
     ///
     /// # Panics
     /// If an index is out of range.

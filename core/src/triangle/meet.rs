@@ -71,7 +71,7 @@ pub struct Meet {
 
 impl Meet {
     /// The corners of what both have in common: a region of the first and one of the second, which have this point in common and no
-    /// other. A point, the ends of a segment, or the corners of a polygon of at most six, in no order. Of a triangle without area,
+    /// other. A point, the ends of a segment, or the corners of a polygon of at most six, in no order. Where a triangle has no area,
     /// more than one region may hold a corner, which then stands here more than once, and so do its corners within its segment.
     pub fn corners(&self) -> impl Iterator<Item = [Region; 2]> + use<> {
         let corners = self.corners;
@@ -118,11 +118,11 @@ impl Meet {
         self.has_area
     }
 
-    /// What two triangles have in common that have areas, by its corners; `None` if there are none.
+    /// The common part of two triangles that have areas, by its corners; `None` if there are none.
     fn new(Corners(corners): Corners, are_coplanar: bool) -> Option<Self> {
         let dimension = corners.count_ones().checked_sub(1)?.min(2) as u8;
         let mut found = Self { corners, dimension, is_proper: false, has_area: [true; 2] };
-        // Those that all corners are on.
+        // The edges on which all corners are.
         let edges = found.corners().fold([7; 2], |[a, b], [r, s]| [a & r.edges(), b & s.edges()]);
         found.is_proper = dimension == 1 && !are_coplanar && edges == [0; 2];
         Some(found)

@@ -38,7 +38,7 @@ fn number(region: Region) -> usize {
     Region::ALL.iter().position(|own| *own == region).unwrap()
 }
 
-/// What the library finds, as the oracle has it, but for points.
+/// The answer of the library as the oracle has it, but for points.
 fn found(meet: Option<Meet>) -> Option<oracle::Meet> {
     meet.map(|meet| oracle::Meet {
         points: Vec::new(),
@@ -108,7 +108,7 @@ fn corners_are_those_of_the_oracle_in_every_order() {
     }
 }
 
-/// Whatever the coordinates: they meet where they intersect, in f32 and in f64 alike, and in either order.
+/// Triangles of any coordinates meet where they intersect, in f32 and in f64 alike, and in either order.
 #[test]
 fn triangles_meet_where_they_intersect() {
     let mut rng = seeded(45);
