@@ -76,6 +76,23 @@ fn an_assembly_in_words_and_numbers() {
             _ => assert!(pair["relation"] == "b_in_a" && pair.get("place").is_none(), "{pair}"),
         }
     }
+    // The flush side, and the outline of a corner in another.
+    let (found, _) = json(at, "plate.obj flush.obj clash.obj --patches");
+    let pairs = found["pairs"].as_array().unwrap();
+    for (pair, [dimension, length, area]) in pairs.iter().zip([[2.0, 8.0, 4.0], [1.0, 3.0, 0.0]]) {
+        let contact = &pair["contact"];
+        assert_eq!(
+            (&contact["dimension"], &contact["regions"]),
+            (&(dimension as u64).into(), &1.into())
+        );
+        for (name, expected) in [("length", length), ("area", area)] {
+            let [low, high] = [0, 1].map(|k| contact[name][k].as_f64().unwrap());
+            assert!(low <= expected && expected <= high && high - low < 1e-9, "{pair}");
+        }
+    }
+    assert!(json(at, "plate.obj flush.obj").0["pairs"][0].get("contact").is_none());
+    let (text, _) = check(at, "plate.obj clash.obj --patches");
+    assert!(text.contains("  1 region, length 2.99") && text.contains(", area 0e0..0e0"), "{text}");
     let (csv, _) = check(at, "plate.obj flush.obj clash.obj --csv");
     let lines: Vec<_> = csv.lines().collect();
     assert_eq!(lines[0], "body_a,body_b,relation,allowed,meets,low,high");
