@@ -21,6 +21,7 @@ mod memory;
 mod model;
 mod mutex;
 mod part;
+mod patches;
 mod poses;
 mod question;
 mod relation;
@@ -56,6 +57,8 @@ mod _pfront {
     use crate::files::read;
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::patches::patches;
     #[pymodule_export]
     use crate::question::{all, any, at_least, count, first};
     #[pymodule_export]

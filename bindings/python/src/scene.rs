@@ -80,8 +80,11 @@ type Located = (u64, u8);
 /// An interval, if there is one.
 type Interval = Option<(f64, f64)>;
 
+/// A contact in numbers: its dimension, how many patches there are, and intervals of length and area.
+type Size = (usize, usize, (f64, f64), (f64, f64));
+
 /// Two bodies as a report tells of them: their ids, and the relation, whether it is allowed, whether the surfaces meet, the volume
-/// in common, the gap, a pair of triangles, and a place.
+/// in common, the contact, the gap, a pair of triangles, and a place.
 type Checked = (
     (u64, u64),
     (
@@ -89,6 +92,7 @@ type Checked = (
         bool,
         bool,
         Interval,
+        Option<Size>,
         Interval,
         Option<(u32, u32)>,
         Option<(f64, f64, f64)>,
@@ -103,6 +107,9 @@ fn told_of(found: &CheckedPair) -> Checked {
         found.is_allowed,
         found.meets,
         interval(found.overlap_volume),
+        found
+            .contact
+            .map(|size| (size.dimension, size.patches, size.length.into(), size.area.into())),
         interval(found.gap),
         found.pair.map(|pair| (pair.a, pair.b)),
         found.place.map(|[x, y, z]| (x, y, z)),
@@ -285,9 +292,11 @@ impl Scene {
         py: Python<'_>,
         allow: Vec<String>,
         allow_overlap: f64,
+        with_contacts: bool,
         on: &Bound<'_, Executor>,
     ) -> PyResult<(Vec<Checked>, Vec<Refused>)> {
-        let mut allowed = Allowed { overlap_volume: allow_overlap, ..Allowed::default() };
+        let mut allowed =
+            Allowed { overlap_volume: allow_overlap, with_contacts, ..Allowed::default() };
         for word in &allow {
             allowed.relations.push(relation::of_word(word)?);
         }

@@ -272,7 +272,7 @@ def test_a_file_as_the_command_checks_it(tmp_path):
         (("Plate", "Nut"), "near", False),
     ]
     table = report.to_dict()
-    assert len(table) == 16 and all(column.shape == (2,) for column in table.values())
+    assert len(table) == 20 and all(column.shape == (2,) for column in table.values())
     assert table["volume_low"][0] <= 0.25 <= table["volume_high"][0] and table["gap_low"][1] <= 0.25 <= table["gap_high"][1]
     assert np.isnan(table["volume_low"]).tolist() == np.isnan(table["x"]).tolist() == [False, True] and np.isnan(table["gap_high"]).tolist() == [True, False]
     assert table["face_a"].dtype == table["body_b"].dtype == np.int64 and table["name_b"].tolist() == ["Plate", "Nut"]

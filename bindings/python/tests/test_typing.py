@@ -35,6 +35,7 @@ low, high = pf.overlap_volume(a, a, pose)
 volumes = pf.overlap_volume(a, a, poses)[:, 1].max()
 inside = [word == "a_in_b" for _, word in pf.sweep(a, a, poses, "relation", within=1)]
 common = [high - low for _, (low, high) in pf.sweep(a, a, poses, "overlap_volume")]
+areas: list[float] = [patch.area[1] for patch in pf.patches(a, a, pose) if patch.closed]
 report = pf.check({"lid": a, "jar": "jar.stl"}, ignore=[("bolt*", "nut*")], allow=["near"], allow_overlap=0.1)
 clashes = [(pair.names, pair.overlap_volume) for pair in report.pairs if not pair.allowed]
 openings = [(body, error.face, error.edge) for body, error in report.refused.items()]
@@ -100,7 +101,7 @@ def test_help_and_the_readme_list_everything_that_is_public():
     listed, rows = [], re.findall(r"^      (\S+(?:, \S+)*)  ", table, re.M)
     for name in ", ".join(rows).split(", "):
         listed.append(listed[-1].partition(".")[0] + name if name.startswith(".") else name)
-    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps, pf.CheckReport, pf.CheckedPair]
+    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps, pf.ContactPatch, pf.CheckReport, pf.CheckedPair, pf.ContactSize]
     members = {f"{kind.__name__}.{name}" for kind in kinds for name in {*vars(kind), *vars(kind).get("__annotations__", ())}}
     assert sorted(listed) == sorted({*pf.__all__, *(name for name in members if "._" not in name)})
     indented = "\n".join(line[4:] for line in table.splitlines())

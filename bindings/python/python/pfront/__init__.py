@@ -15,6 +15,7 @@ question is about one instant, not about a motion. Touching counts, and there is
       count                                                 how many pairs meet
       pairs                                                 which, sorted
       contacts                                              where: a segment and two normals for each pair
+      patches                                               all that they have in common: connected curves and areas, measured
       distance                                              how far apart they are: an interval, the nearest faces and points
       relation                                              what one solid is to another, in a word: touching, crossing, inside, ...
       overlap_volume                                        the volume that two solids have in common: an interval
@@ -41,6 +42,9 @@ question is about one instant, not about a motion. Touching counts, and there is
       Contacts.to_dict, Hits.to_dict                        columns, for pandas
       Hits, Hits.bodies, .pairs                             pairs of triangles of a scene
       SceneContacts                                         contacts of a scene, with their bodies
+      ContactPatch, ContactPatch.dimension, .closed         of what two meshes have in common
+      ContactPatch.length, .area                            intervals
+      ContactPatch.pairs, .points, .segments                the faces, and where that is
       Gap, Gap.interval, .pair, .points, .distance          the smallest distance
       Gaps, Gaps.intervals, .pairs, .points, .distances     arrays with a row for each pose
       Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
@@ -48,6 +52,8 @@ question is about one instant, not about a motion. Touching counts, and there is
       CheckReport.refused, .to_dict                         bodies that are no solids; columns, for pandas
       CheckedPair, CheckedPair.bodies, .names, .relation    of two bodies
       CheckedPair.allowed, .meets, .overlap_volume          whether that is allowed, and more of how they meet
+      CheckedPair.contact, ContactSize                      how much of their surfaces meets
+      ContactSize.dimension, .patches, .length, .area       in numbers
       CheckedPair.gap, .pair, .place                        how far apart they are; where they meet
     Who answers
       using                                                 threads, or a GPU, for a block
@@ -76,22 +82,22 @@ from __future__ import annotations
 from typing import Any
 
 from . import compat
-from ._check import CheckedPair, CheckReport
+from ._check import CheckedPair, CheckReport, ContactSize
 from ._errors import BlobError, DeviceError, MeshError, NotSolid, PoseError, StaleBody
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
 from ._questions import (
-    Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, inside, overlap_volume, pairs, part, relation,
-    segment, segment_first, sweep,
+    ContactPatch, Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, inside, overlap_volume, pairs,
+    part, patches, relation, segment, segment_first, sweep,
 )  # fmt: skip
 from ._scene import Hits, Scene, SceneContacts, check
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
-    "BlobError", "CheckReport", "CheckedPair", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "NotSolid",
+    "BlobError", "CheckReport", "CheckedPair", "ContactPatch", "ContactSize", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "NotSolid",
     "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "bodies", "check", "collides", "compat", "contacts",
-    "count", "devices", "distance", "explain", "first", "inside", "load", "overlap_volume", "pairs", "part", "register", "relation",
+    "count", "devices", "distance", "explain", "first", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
     "segment", "segment_first", "show", "sweep", "using",
 ]  # fmt: skip
 

@@ -12,7 +12,27 @@ import numpy.typing as npt
 from ._errors import NotSolid
 from ._questions import Relation
 
-__all__ = ["CheckedPair", "CheckReport"]
+__all__ = ["CheckedPair", "CheckReport", "ContactSize"]
+
+
+@dataclass(frozen=True)
+class ContactSize:
+    """The contact of two bodies, in numbers.
+
+    Attributes
+    ----------
+    dimension : int
+        0 for points alone, 1 for curves, 2 if there are areas.
+    patches : int
+        How many connected patches it has.
+    length, area : (float, float)
+        Intervals that hold the length of curves and of the outlines of areas, and the area.
+    """
+
+    dimension: int
+    patches: int
+    length: tuple[float, float]
+    area: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -33,6 +53,8 @@ class CheckedPair:
         Whether their surfaces meet, as those of nested solids may.
     overlap_volume : (float, float) or None
         An interval that holds their common volume, if they cross and neither meets itself.
+    contact : ContactSize or None
+        Their contact, if it was asked for and their surfaces meet.
     gap : (float, float) or None
         An interval that holds their smallest distance, if they are near.
     pair : (int, int) or None
@@ -47,6 +69,7 @@ class CheckedPair:
     allowed: bool
     meets: bool
     overlap_volume: tuple[float, float] | None
+    contact: ContactSize | None
     gap: tuple[float, float] | None
     pair: tuple[int, int] | None
     place: tuple[float, float, float] | None
@@ -107,6 +130,8 @@ class CheckReport:
         two = (np.nan, np.nan)
         bodies, faces = (numbers(values, (np.int64(-1),) * 2) for values in ([pair.bodies for pair in pairs], [pair.pair for pair in pairs]))
         volumes, gaps = numbers([pair.overlap_volume for pair in pairs], two), numbers([pair.gap for pair in pairs], two)
+        sizes = [pair.contact for pair in pairs]
+        lengths, areas = numbers([size and size.length for size in sizes], two), numbers([size and size.area for size in sizes], two)
         places = numbers([pair.place for pair in pairs], (*two, np.nan))
         return {
             **dict(zip(("body_a", "body_b"), bodies)),
@@ -115,6 +140,8 @@ class CheckReport:
             "allowed": np.array([pair.allowed for pair in pairs], bool),
             "meets": np.array([pair.meets for pair in pairs], bool),
             **dict(zip(("volume_low", "volume_high"), volumes)),
+            **dict(zip(("length_low", "length_high"), lengths)),
+            **dict(zip(("area_low", "area_high"), areas)),
             **dict(zip(("gap_low", "gap_high"), gaps)),
             **dict(zip(("face_a", "face_b"), faces)),
             **dict(zip("xyz", places)),

@@ -7,7 +7,7 @@ from ._errors import NotSolid
 from ._questions import Progress, Relation
 
 __all__ = [
-    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "inside", "join", "overlap_volume", "read", "relation", "relations", "Scene",
+    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
     "segment", "segment_first",
 ]
 
@@ -15,8 +15,11 @@ _Array = npt.NDArray[Any]
 _Pairs = npt.NDArray[np.uint32]
 _Ids = npt.NDArray[np.int64]
 _Gaps = tuple[npt.NDArray[np.float64], _Ids, npt.NDArray[np.float64]]
+_Interval = tuple[float, float]
+_Size = tuple[int, int, _Interval, _Interval]
+_Patch = tuple[int, bool, _Interval, _Interval, _Pairs, npt.NDArray[np.float64], _Pairs]
 _Rest = tuple[
-    Relation | None, bool, bool, tuple[float, float] | None, tuple[float, float] | None, tuple[int, int] | None,
+    Relation | None, bool, bool, tuple[float, float] | None, _Size | None, tuple[float, float] | None, tuple[int, int] | None,
     tuple[float, float, float] | None,
 ]  # fmt: skip
 _Point = tuple[float, float, float]
@@ -61,7 +64,9 @@ class Scene:
     def len(self) -> int: ...
     def across(self, other: Scene, may_touch: bool) -> tuple[Scene, int]: ...
     def distance(self, id: int, limit: float | None, on: Executor) -> tuple[int, _Gaps] | None: ...
-    def check(self, allow: list[str], allow_overlap: float, on: Executor) -> tuple[list[_Checked], list[tuple[int, NotSolid]]]: ...
+    def check(
+        self, allow: list[str], allow_overlap: float, with_contacts: bool, on: Executor
+    ) -> tuple[list[_Checked], list[tuple[int, NotSolid]]]: ...
     def segment(self, ends: tuple[_Point, _Point], on: Executor) -> tuple[_Ids, _Along]: ...
     def segment_first(self, ends: tuple[_Point, _Point], on: Executor) -> tuple[int, int, float] | None: ...
     def inside(self, point: _Point, on: Executor) -> tuple[list[tuple[int, int]], list[tuple[int, NotSolid]]]: ...
@@ -101,6 +106,7 @@ def segment(model: Model, ends: tuple[_Point, _Point], on: Executor) -> _Along: 
 def segment_first(
     model: Model, starts: npt.NDArray[np.float64], ends: npt.NDArray[np.float64], on: Executor
 ) -> tuple[_Ids, npt.NDArray[np.float64]]: ...
+def patches(a: Model, b: Model, pose: Any, on: Executor) -> list[_Patch]: ...
 def overlap_volume(
     a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None
 ) -> tuple[npt.NDArray[np.float64], bool]: ...

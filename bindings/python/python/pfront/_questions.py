@@ -19,8 +19,8 @@ from ._poses import HasMatrix, OnePose, Pose, Poses, SomePoses, matrix
 from ._settings import current
 
 __all__ = [
-    "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "inside", "segment", "segment_first",
-    "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
+    "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "patches", "inside", "segment",
+    "segment_first", "ContactPatch", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], Any]
@@ -227,6 +227,38 @@ class Gap:
     @property
     def distance(self) -> float:
         return self.interval[1]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactPatch:
+    """A connected part of what two surfaces have in common: a point, curves, areas, or what is joined of these.
+
+    Attributes
+    ----------
+    dimension : int
+        0 for a point, 1 for curves, 2 if there are areas.
+    closed : bool
+        Whether it surely has no end: a curve that comes back to where it began, or areas without an outline.
+    length, area : (float, float)
+        Intervals that hold the length of its curves and of the outlines of its areas, and its area.
+    pairs : ndarray of uint32, shape (n, 2)
+        The faces that meet there, sorted.
+    points : ndarray of float64, shape (m, 3)
+        The corners of what faces have in common there, each once, rounded.
+    segments : ndarray of uint32, shape (k, 2)
+        Curves and outlines, as segments between two of the points.
+    """
+
+    dimension: int
+    closed: bool
+    length: tuple[float, float]
+    area: tuple[float, float]
+    pairs: npt.NDArray[np.uint32]
+    points: npt.NDArray[np.float64]
+    segments: npt.NDArray[np.uint32]
+
+    def __repr__(self) -> str:
+        return f"ContactPatch(dimension={self.dimension}, {len(self.pairs)} pairs)"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -617,6 +649,41 @@ def relation(a: MeshLike, b: MeshLike, pose: Pose = None, *, within: float = 0.0
     codes, is_one = _pfront.relation(*_both(a, b), pose, current(), progress, within)
     words = _RELATIONS[codes]
     return words[0] if is_one else words
+
+
+def patches(a: MeshLike, b: MeshLike, pose: OnePose = None) -> list[ContactPatch]:
+    """Find all that two surfaces have in common, as connected curves and areas, with their length and area.
+
+    Which faces belong together is exact, whether they cross, touch, or lie flush. Equal vertices are one. Where a mesh meets itself, what
+    it covers twice counts twice, and what is joined only there counts as two.
+
+    Parameters
+    ----------
+    a, b : Mesh or what `Mesh` takes
+        The meshes. They need not be solids.
+    pose : array_like, optional
+        The pose of b in the frame of a.
+
+    Returns
+    -------
+    list of ContactPatch
+        In the order of their lowest pairs, in the frame of a.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+    >>> pose[:3, 3] = 1, 0.5, 0
+    >>> [patch] = pf.patches(box, box, pose)
+    >>> (low, high), (least, most) = patch.area, patch.length
+    >>> patch.dimension, low <= 0.5 <= high, least <= 3 <= most, patch.closed
+    (2, True, True, False)
+    >>> pose[:3, 3] = 0.5, 0.25, 0.125
+    >>> [curve] = pf.patches(box, box, pose)
+    >>> curve.dimension, curve.closed, curve.points[curve.segments].shape[1:]
+    (1, True, (2, 3))
+    """
+    return [ContactPatch(*found) for found in _pfront.patches(*_both(a, b), pose, current())]
 
 
 @overload

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from . import _pfront
 from ._arrays import Rows, array, integer, rows
 from ._arrays import point as _point
-from ._check import CheckedPair, CheckReport
+from ._check import CheckedPair, CheckReport, ContactSize
 from ._errors import NotSolid, StaleBody
 from ._mesh import Mesh, MeshLike, Path, bodies
 from ._poses import OnePose, Pose, Poses, SomePoses
@@ -466,7 +466,7 @@ class Scene:
         words: tuple[Any, Literal["inside"], Literal["surface"]] = (None, "inside", "surface")
         return {**{body: words[code] for body, code in containing}, **dict(refused)}
 
-    def check(self, *, allow: Iterable[Relation] = (), allow_overlap: float = 0.0) -> CheckReport:
+    def check(self, *, allow: Iterable[Relation] = (), allow_overlap: float = 0.0, patches: bool = False) -> CheckReport:
         """Tell what all bodies whose boxes overlap are to each other, and whether that is allowed: is this assembly right?
 
         Bodies are solids here, as for `pfront.relation`; one that is none is told of. In a ``Scene(within=d)`` those that are apart, and at
@@ -478,6 +478,8 @@ class Scene:
             Relations that are allowed, beside apart and touching.
         allow_overlap : float
             The largest volume by which bodies that cross may overlap.
+        patches : bool
+            Whether contacts are measured too: see `CheckedPair`.
 
         Returns
         -------
@@ -506,12 +508,19 @@ class Scene:
         (('lid', 'jar'), 'crossing', True)
         >>> scene.check(allow=["near"], allow_overlap=0.3).allowed
         True
+        >>> touching = scene.check(patches=True).pairs[1]
+        >>> low, high = touching.contact.area
+        >>> touching.names, touching.contact.dimension, low <= 1 <= high
+        (('jar', 'box'), 2, True)
         """
         if not allow_overlap >= 0:
             raise ValueError(f"a volume of {allow_overlap} cannot be allowed")
-        pairs, refused = self._scene.check(list(allow), allow_overlap, current())
+        pairs, refused = self._scene.check(list(allow), allow_overlap, bool(patches), current())
         name = self._names.get
-        found = [CheckedPair(bodies, (name(bodies[0]), name(bodies[1])), *rest) for bodies, rest in pairs]
+        found = [
+            CheckedPair(bodies, (name(bodies[0]), name(bodies[1])), *rest[:4], rest[4] and ContactSize(*rest[4]), *rest[5:])
+            for bodies, rest in pairs
+        ]
         return CheckReport(found, dict(refused))
 
     def show(self, *, off_screen: bool = False, screenshot: Any = None) -> SceneContacts:
@@ -535,7 +544,7 @@ class Scene:
 
 def check(
     source: Path | Mapping[str, MeshLike], *, within: float = 0.0, ignore: Iterable[tuple[str, str]] = (),
-    allow: Iterable[Relation] = (), allow_overlap: float = 0.0,
+    allow: Iterable[Relation] = (), allow_overlap: float = 0.0, patches: bool = False,
 ) -> CheckReport:  # fmt: skip
     """Check an assembly, as ``pfront check``, the command, does: what its bodies are to each other, and whether that is allowed.
 
@@ -547,7 +556,7 @@ def check(
         Bodies that are apart, and at most so far, are near.
     ignore : iterable of (str, str)
         Pairs of names or patterns that are left out: see `Scene.ignore`.
-    allow, allow_overlap
+    allow, allow_overlap, patches
         As for `Scene.check`.
 
     Examples
@@ -571,7 +580,7 @@ def check(
         if isinstance(two, str) or len(two) != 2:
             raise TypeError(f"{two!r} is no pair of names or patterns to ignore")
         scene.ignore(*two)
-    return scene.check(allow=allow, allow_overlap=allow_overlap)
+    return scene.check(allow=allow, allow_overlap=allow_overlap, patches=patches)
 
 
 def _mesh(mesh: MeshLike) -> _pfront.Model:
