@@ -612,6 +612,22 @@ typedef struct pfront_between_t {
   struct pfront_pair_t pair;
 } pfront_between_t;
 
+// A connected part of what two surfaces have in common: a point, curves, areas, or what is joined of these.
+typedef struct pfront_patch_t {
+  // 0 for a point, 1 for curves, 2 if there are areas.
+  uint32_t dimension;
+  // 1 if it surely has no end, else 0: a curve that comes back to where it began, or areas without an outline.
+  uint32_t is_closed;
+  // The number of triangle pairs that meet there.
+  size_t pair_count;
+  // The first of them.
+  struct pfront_pair_t pair;
+  // The least and the greatest that the length of its curves and of the outlines of its areas can be.
+  double length[2];
+  // The least and the greatest that its area can be.
+  double area[2];
+} pfront_patch_t;
+
 // A triangle that a segment meets.
 typedef struct pfront_segment_hit_t {
   // The triangle.
@@ -665,6 +681,8 @@ typedef struct pfront_allowed_t {
   uint32_t relations;
   // The largest volume by which bodies that cross may overlap; 0 for none.
   double overlap_volume;
+  // 1 to measure contacts too, else 0.
+  uint32_t with_contacts;
 } pfront_allowed_t;
 
 // Two bodies whose boxes overlap. Numbers that were not asked for are NaN.
@@ -681,6 +699,14 @@ typedef struct pfront_checked_pair_t {
   struct pfront_pair_t pair;
   // The least and the greatest that the common volume of bodies that cross can be, if neither meets itself.
   double overlap_volume[2];
+  // The connected patches of what the surfaces have in common, if contacts were asked for; else 0.
+  size_t patches;
+  // The dimension of these: 0 for points alone, 1 for curves, 2 if there are areas.
+  uint32_t dimension;
+  // The least and the greatest that the length of their curves and of the outlines of their areas can be.
+  double length[2];
+  // The least and the greatest that their area can be.
+  double area[2];
   // The least and the greatest that the smallest distance of bodies that are near can be.
   double gap[2];
   // A point in the world where the triangles meet.
@@ -1180,6 +1206,16 @@ pfront_status_t pfront_model_query_overlap_volume(struct pfront_model_query_t *q
                                                   double *low,
                                                   double *high,
                                                   struct pfront_error_t *error);
+
+// Finds all that two surfaces have in common, in connected patches: `count` of them in `patches`, in the order of their first pairs, in the
+// units of `a`. Exact signs tell what is connected; lengths and areas are intervals. Vertices at the same place are one. Where a mesh
+// meets itself, what it covers twice counts twice. A model and itself are PFRONT_NULL. `patches` belongs to the query and is good
+// until this is called again, or the query is freed.
+pfront_status_t pfront_model_query_patches(struct pfront_model_query_t *query,
+                                           const struct pfront_subject_t *subject,
+                                           const struct pfront_patch_t **patches,
+                                           size_t *count,
+                                           struct pfront_error_t *error);
 
 // Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
 // triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs

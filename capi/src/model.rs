@@ -4,8 +4,9 @@ use crate::buffers::{NAMES, pfront_buffers_t};
 use crate::memory::{Call, Done, Handle};
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_DAMAGED;
+use crate::verbs::pfront_pair_t;
 use core::ffi::{CStr, c_void};
-use pfront::{Model, SegmentHit, Solid};
+use pfront::{ContactPatch, Model, SegmentHit, Solid};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -66,6 +67,37 @@ fn pfront_model_from_blob(
 #[entry]
 fn pfront_model_free(call: &mut Call<'_>, model: *mut pfront_model_t) -> Done {
     call.free(c"model", model)
+}
+
+/// A connected part of what two surfaces have in common: a point, curves, areas, or what is joined of these.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_patch_t {
+    /// 0 for a point, 1 for curves, 2 if there are areas.
+    pub dimension: u32,
+    /// 1 if it surely has no end, else 0: a curve that comes back to where it began, or areas without an outline.
+    pub is_closed: u32,
+    /// The number of triangle pairs that meet there.
+    pub pair_count: usize,
+    /// The first of them.
+    pub pair: pfront_pair_t,
+    /// The least and the greatest that the length of its curves and of the outlines of its areas can be.
+    pub length: [f64; 2],
+    /// The least and the greatest that its area can be.
+    pub area: [f64; 2],
+}
+
+impl From<ContactPatch> for pfront_patch_t {
+    fn from(patch: ContactPatch) -> Self {
+        Self {
+            dimension: patch.dimension as u32,
+            is_closed: patch.is_closed.into(),
+            pair_count: patch.pairs.len(),
+            pair: patch.pairs.first().copied().unwrap_or_default().into(),
+            length: patch.length,
+            area: patch.area,
+        }
+    }
 }
 
 /// A triangle that a segment meets.

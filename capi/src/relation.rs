@@ -1,7 +1,7 @@
 //! Relations of solids, and by how much they overlap.
 
 use crate::memory::{Call, Done};
-use crate::model::MODEL_NAMES;
+use crate::model::{MODEL_NAMES, pfront_patch_t};
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_NULL;
 use crate::subject::{ModelQuery, Subject, asked, fault, pfront_model_query_t, pfront_subject_t};
@@ -134,4 +134,23 @@ fn pfront_model_query_overlap_volume(
     least.set(low);
     greatest.set(high);
     Ok(())
+}
+
+/// Finds all that two surfaces have in common, in connected patches: `count` of them in `patches`, in the order of their first pairs, in the
+/// units of `a`. Exact signs tell what is connected; lengths and areas are intervals. Vertices at the same place are one. Where a mesh
+/// meets itself, what it covers twice counts twice. A model and itself are PFRONT_NULL. `patches` belongs to the query and is good
+/// until this is called again, or the query is freed.
+#[entry]
+fn pfront_model_query_patches(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    subject: *const pfront_subject_t,
+    patches: *mut *const pfront_patch_t,
+    count: *mut usize,
+) -> Done {
+    let out = call.out_array(c"patches", patches, count)?;
+    let (ModelQuery { pair: query, patches, .. }, subject) = asked(call, query, subject)?;
+    let ([a, b], pose) = pair(&subject)?;
+    let found = query.patches(a, b, pose).map_err(fault)?;
+    out.set(patches, found.into_iter().map(pfront_patch_t::from))
 }

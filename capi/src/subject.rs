@@ -2,7 +2,7 @@
 
 use crate::executor::{OwnExecutor, pfront_executor_t};
 use crate::memory::{Call, Done, Handle};
-use crate::model::{Solids, pfront_model_t, pfront_segment_hit_t};
+use crate::model::{Solids, pfront_model_t, pfront_patch_t, pfront_segment_hit_t};
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
 use crate::status::Fault;
@@ -80,6 +80,7 @@ pub(crate) struct ModelQuery {
     /// The answers that were handed out last.
     pairs: Vec<pfront_pair_t>,
     pub(crate) segment_hits: Vec<pfront_segment_hit_t>,
+    pub(crate) patches: Vec<pfront_patch_t>,
     contacts: Vec<pfront_model_contact_t>,
 }
 
@@ -142,6 +143,7 @@ fn pfront_model_query_create(
         solids: Solids::default(),
         pairs: Vec::new(),
         segment_hits: Vec::new(),
+        patches: Vec::new(),
         contacts: Vec::new(),
     })?);
     Ok(())

@@ -364,6 +364,17 @@ static void solids(void)
         OK(pfront_model_query_overlap_volume(query, &same, &low, &high, &error));
         THAT(low <= places[i].volume && places[i].volume <= high && high - low < 1e-12);
     }
+    // A side on a side: its area and its outline.
+    const pfront_pose_t flush = at(1);
+    const pfront_subject_t two = {models[0], models[0], &flush, NULL, 0}, alone = {models[0], NULL, NULL, NULL, 0};
+    const pfront_patch_t *patches;
+    size_t patch_count = 9;
+    OK(pfront_model_query_patches(query, &two, &patches, &patch_count, &error));
+    THAT(patch_count == 1 && patches[0].dimension == 2 && patches[0].is_closed == 0 && patches[0].pair_count >= 4 && patches[0].pair.a < 12);
+    THAT(patches[0].area[0] <= 1 && 1 <= patches[0].area[1] && patches[0].area[1] - patches[0].area[0] < 1e-12);
+    THAT(patches[0].length[0] <= 4 && 4 <= patches[0].length[1] && patches[0].length[1] - patches[0].length[0] < 1e-12);
+    EXPECT(PFRONT_NULL, "b", pfront_model_query_patches(query, &alone, &patches, &patch_count, &error));
+    EXPECT(PFRONT_NULL, "patches", pfront_model_query_patches(query, &two, NULL, &patch_count, &error));
     // Refused as no solids, by their names, and at the triangle.
     const pfront_subject_t first = {models[2], models[0], &still, NULL, 0}, second = {models[0], models[2], &still, NULL, 0};
     const pfront_subject_t none = {models[0], models[3], &still, NULL, 0}, itself = {models[0], NULL, NULL, NULL, 0};
@@ -477,12 +488,15 @@ static void solids(void)
         THAT(i >= 2 || (0.75f <= pairs[i].place[0] && pairs[i].place[0] <= 1.75f));
     }
     THAT(pairs[0].overlap_volume[0] <= 0.25 && 0.25 <= pairs[0].overlap_volume[1] && pairs[0].overlap_volume[1] < 0.2500001);
+    THAT(pairs[1].patches == 0 && pairs[1].area[0] != pairs[1].area[0]);
     THAT(pairs[2].gap[0] <= 0.125 && 0.125 <= pairs[2].gap[1] && pairs[2].gap[1] < 0.1250001);
     // All that is meant is allowed, and what is not there is nothing.
-    pfront_allowed_t allowed = {1u << PFRONT_RELATION_NEAR | 1u << PFRONT_RELATION_TOUCHING, 0.2500001};
+    pfront_allowed_t allowed = {1u << PFRONT_RELATION_NEAR | 1u << PFRONT_RELATION_TOUCHING, 0.2500001, 1};
     OK(pfront_scene_ignore(scene, body[3], body[4], 1, &error));
     OK(pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));
     THAT(count == 3 && refused_count == 0 && pairs[0].is_allowed && pairs[1].is_allowed && pairs[2].is_allowed);
+    THAT(pairs[1].patches == 1 && pairs[1].dimension == 2 && pairs[1].area[0] <= 1 && 1 <= pairs[1].area[1] && pairs[1].area[1] < 1.000001);
+    THAT(pairs[1].length[0] <= 4 && 4 <= pairs[1].length[1] && pairs[2].patches == 0);
     allowed.relations = 1u << PFRONT_RELATION_NEAR;
     allowed.overlap_volume = 0.2;
     OK(pfront_scene_check(scene, &allowed, &pairs, &count, &refused, &refused_count, &error));

@@ -61,7 +61,7 @@ static void solids() {
     const auto other = scene.add(solid, beside);
     EXPECT(scene.check().is_allowed() && scene.check().pairs[0].relation == PFRONT_RELATION_TOUCHING && scene.check().refused.empty());
     scene.set_pose(other, half);
-    EXPECT(!scene.check().is_allowed() && scene.check(pfront_allowed_t{0, 0.1}).is_allowed());
+    EXPECT(!scene.check().is_allowed() && scene.check(pfront_allowed_t{0, 0.1, 0}).is_allowed());
     const std::uint16_t open[] = {0, 2, 1};
     const pfront::model sheet(pfront::mesh(points, open));
     try {

@@ -17,6 +17,8 @@ pub struct pfront_allowed_t {
     pub relations: u32,
     /// The largest volume by which bodies that cross may overlap; 0 for none.
     pub overlap_volume: f64,
+    /// 1 to measure contacts too, else 0.
+    pub with_contacts: u32,
 }
 
 /// Two bodies whose boxes overlap. Numbers that were not asked for are NaN.
@@ -35,6 +37,14 @@ pub struct pfront_checked_pair_t {
     pub pair: pfront_pair_t,
     /// The least and the greatest that the common volume of bodies that cross can be, if neither meets itself.
     pub overlap_volume: [f64; 2],
+    /// The connected patches of what the surfaces have in common, if contacts were asked for; else 0.
+    pub patches: usize,
+    /// The dimension of these: 0 for points alone, 1 for curves, 2 if there are areas.
+    pub dimension: u32,
+    /// The least and the greatest that the length of their curves and of the outlines of their areas can be.
+    pub length: [f64; 2],
+    /// The least and the greatest that their area can be.
+    pub area: [f64; 2],
     /// The least and the greatest that the smallest distance of bodies that are near can be.
     pub gap: [f64; 2],
     /// A point in the world where the triangles meet.
@@ -50,6 +60,10 @@ impl From<&CheckedPair> for pfront_checked_pair_t {
             meets: found.meets.into(),
             pair: pair_or_none(found.pair),
             overlap_volume: found.overlap_volume.unwrap_or([f64::NAN; 2]),
+            patches: found.contact.map_or(0, |size| size.patches),
+            dimension: found.contact.map_or(0, |size| size.dimension as u32),
+            length: found.contact.map_or([f64::NAN; 2], |size| size.length),
+            area: found.contact.map_or([f64::NAN; 2], |size| size.area),
             gap: found.gap.unwrap_or([f64::NAN; 2]),
             place: found.place.unwrap_or([f64::NAN; 3]),
         }
@@ -98,7 +112,8 @@ fn pfront_scene_check(
     let Scene { query, checked, refused, .. } = usable(call, scene)?;
     let mut may = Allowed::default();
     if !allowed.is_null() {
-        let pfront_allowed_t { relations, overlap_volume } = call.get(c"allowed", allowed)?;
+        let pfront_allowed_t { relations, overlap_volume, with_contacts } =
+            call.get(c"allowed", allowed)?;
         let known = RELATIONS.iter().fold(0, |known, (_, name)| known | 1 << *name as u32);
         if relations & !known != 0 {
             return Err(Fault::of(PFRONT_OUT_OF_RANGE, c"relations"));
@@ -110,6 +125,7 @@ fn pfront_scene_check(
         let all = RELATIONS.iter().filter(|(_, name)| is_allowed(*name));
         may.relations = all.map(|(relation, _)| *relation).collect();
         may.overlap_volume = overlap_volume;
+        may.with_contacts = with_contacts != 0;
     }
     let report = query.check(&may)?;
     out.set(checked, report.pairs.iter().map(pfront_checked_pair_t::from))?;
