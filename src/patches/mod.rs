@@ -1,6 +1,6 @@
 //! Where two models touch and cross, in connected patches.
 //!
-//! What two surfaces have in common is made of polygons, lines and points. A point lies in one region of each mesh, a vertex, an edge without its
+//! The common part of two surfaces is made of polygons, lines and points. A point lies in one region of each mesh, a vertex, an edge without its
 //! ends or a face, and these two name it. So corners of pairs of triangles that have the same name are the same point, without any comparison
 //! of coordinates, and patches are the sets of pairs that such corners join. Lines have names likewise, so that each is measured once,
 //! however many pairs have it. Only coordinates, lengths and areas are rounded, outward.
@@ -178,7 +178,7 @@ pub struct ContactSize {
 }
 
 impl ContactSize {
-    /// That of all patches; `None` if there are none.
+    /// The contact of all patches together; `None` if there are none.
     ///
     /// # Examples
     /// ```

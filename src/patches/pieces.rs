@@ -1,4 +1,4 @@
-//! What pairs of triangles add to the patches of contact: corners, lines and areas, with names for what several pairs have in common.
+//! Parts that pairs of triangles add to the patches of contact: corners, lines and areas, with names for what several pairs have in common.
 
 use super::interval::{Interval, cross, length, plus, posed, times, towards};
 use super::vertices::Vertices;
@@ -32,7 +32,7 @@ pub(super) struct Line {
     pub(super) length: Interval,
 }
 
-/// What some pairs add.
+/// The parts that some pairs add.
 #[derive(Default)]
 pub(crate) struct Pieces {
     /// How many pairs there are.
