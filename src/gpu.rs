@@ -23,7 +23,7 @@
 //! # let frames: [Vec<[f32; 3]>; 0] = [];
 //! for positions in &frames {
 //!     moving.set_positions(positions)?;
-//!     println!("{} folds", query.all(&GpuQuestion::within(&moving))?.len());
+//!     println!("{} folds", query.all(&GpuQuestion::itself(&moving))?.len());
 //! }
 //! # Ok(()) }
 //! ```

@@ -56,8 +56,8 @@ impl PairQuery {
     }
 
     /// Asks for pairs at most `distance` apart in place of those that intersect, exactly: touching counts at the distance, too, and
-    /// at 0 the pairs are those that intersect. CPUs answer, whatever the executor. Contacts are those of the pairs that
-    /// intersect.
+    /// at 0 the pairs are those that intersect. A GPU certifies most of them, and leaves to the CPU what f32 does not tell; distances
+    /// above a quarter of the range of f32 only a CPU answers. Contacts are those of the pairs that intersect.
     ///
     /// # Errors
     /// [`Error::Distance`] if the distance is NaN, infinite or negative.

@@ -100,6 +100,13 @@ impl<M: Borrow<Model>> Subject<M> {
         })
     }
 
+    /// The distance within which pairs are hits.
+    pub(crate) fn distance(&self) -> Distance {
+        match self {
+            Self::Pair { within, .. } | Self::Itself { within, .. } => *within,
+        }
+    }
+
     pub(crate) fn models(&self) -> &[M] {
         match self {
             Self::Pair { models, .. } => models,
@@ -107,12 +114,13 @@ impl<M: Borrow<Model>> Subject<M> {
         }
     }
 
-    /// Whether no GPU answers: about pairs within a distance, and about a model in f64 and itself.
+    /// Whether no GPU answers: about a model and itself if it is in f64, or pairs within a distance are asked for; and within distances
+    /// that are beyond a GPU.
     pub(crate) fn is_for_cpu(&self) -> bool {
         match self {
-            Self::Pair { within, .. } => *within > Distance::default(),
-            Self::Itself { models: [model], within, .. } => {
-                *within > Distance::default() || model.borrow().is_f64()
+            Self::Pair { .. } => self.distance().get() > f32::MAX / 4.0,
+            Self::Itself { models: [model], .. } => {
+                self.distance() > Distance::default() || model.borrow().is_f64()
             }
         }
     }

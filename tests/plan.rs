@@ -220,6 +220,31 @@ mod on_gpu {
         }
     }
 
+    /// Two models within a distance are asked about on the GPU; one and itself, and bodies of a scene, on the CPU.
+    #[test]
+    fn within_a_distance() {
+        let (mut scene, ids) = scene(&executor(), 5);
+        let model = scene.body(ids[0]).unwrap().model().clone();
+        let aside = Pose::from_translation([2.01, 0.0, 0.0]);
+        let mut query = PairQuery::new().on(&executor()).within(0.3).unwrap();
+        assert!(!query.all(&model, &model, aside).unwrap().is_empty());
+        assert_eq!(query.plan().unwrap().backend, Backend::Gpu);
+        let far = Pose64::from_translation([2.01, 0.0, 1e-12]);
+        assert!(query.count(&model, &model, far).unwrap() > 0);
+        assert_eq!(query.plan().unwrap().backend, Backend::Gpu);
+        // No box grows so much on a GPU.
+        let mut query = PairQuery::new().on(&executor()).within(1e38).unwrap();
+        let all = model.mesh().triangles().len().pow(2) as u64;
+        assert_eq!(query.count(&model, &model, aside).unwrap(), all);
+        assert_eq!(query.plan().unwrap().reason, Reason::CpuOnly);
+        let mut query = SelfQuery::new().on(&executor()).within(0.1).unwrap();
+        query.all(&model).unwrap();
+        assert_eq!(query.plan().unwrap().reason, Reason::CpuOnly);
+        scene.within(0.1).unwrap();
+        scene.all().unwrap();
+        assert_eq!(scene.plan().unwrap().reason, Reason::CpuOnly);
+    }
+
     fn executor_has_gpu(executor: &Executor) -> bool {
         format!("{executor:?}").contains("has_gpu: true")
     }

@@ -94,7 +94,7 @@ impl Asker {
     /// How many both find within a model, which on the GPU may be one that moves.
     fn within(&mut self, what: &str, cpu: &Model, gpu: &GpuModel) -> usize {
         let truth = self.within.all(cpu).unwrap();
-        let found = self.gpu.all(&GpuQuestion::within(gpu)).unwrap();
+        let found = self.gpu.all(&GpuQuestion::itself(gpu)).unwrap();
         assert!(found == truth, "{what}: {} pairs, not {}", found.len(), truth.len());
         truth.len()
     }

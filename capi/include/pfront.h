@@ -1125,8 +1125,8 @@ pfront_status_t pfront_model_query_free(struct pfront_model_query_t *query,
                                         struct pfront_error_t *error);
 
 // The query is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
-// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect, and triangles of one mesh that
-// share a vertex are asked about as `rule` says.
+// for again. A GPU answers it about two models; about one and itself CPUs answer. Contacts are those of the pairs that intersect, and
+// triangles of one mesh that share a vertex are asked about as `rule` says.
 pfront_status_t pfront_model_query_within(struct pfront_model_query_t *query,
                                           float distance,
                                           struct pfront_error_t *error);

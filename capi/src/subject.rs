@@ -156,8 +156,8 @@ fn pfront_model_query_free(call: &mut Call<'_>, query: *mut pfront_model_query_t
 }
 
 /// The query is asked for pairs of triangles at most `distance` apart from now on, in place of those that intersect, which 0 asks
-/// for again. CPUs answer, whatever the executor. Contacts are those of the pairs that intersect, and triangles of one mesh that
-/// share a vertex are asked about as `rule` says.
+/// for again. A GPU answers it about two models; about one and itself CPUs answer. Contacts are those of the pairs that intersect, and
+/// triangles of one mesh that share a vertex are asked about as `rule` says.
 #[entry]
 fn pfront_model_query_within(
     call: &mut Call<'_>,

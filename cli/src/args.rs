@@ -215,7 +215,8 @@ pub(crate) fn words(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct Near {
     /// Ask for pairs at most so far apart in place of those that intersect, exactly; rounded up to f32, so that no pair is missed.
-    /// Triangles of one mesh that share a vertex are decided as without. Contacts and curves are those of pairs that intersect. CPUs answer
+    /// Triangles of one mesh that share a vertex are decided as without. Contacts and curves are those of pairs that intersect. GPUs answer
+    /// about two meshes only
     #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true, value_parser = near)]
     pub(crate) within: Option<f32>,
 }

@@ -17,7 +17,7 @@ struct Subject {
     bound: [u64; 2],
     levels: u32,
     seeds: [u32; 2],
-    shadows: u32,
+    certify: u32,
     verb: GpuVerb,
 }
 
@@ -33,8 +33,8 @@ pub(crate) struct Ahead {
 
 impl Subject {
     fn new(engine: &Engine, task: &Task, verb: GpuVerb) -> Self {
-        let Query { seeds, shadows, .. } = task.query;
-        Self { bound: engine.bound(), levels: task.levels_below_seeds, seeds, shadows, verb }
+        let Query { seeds, certify, .. } = task.query;
+        Self { bound: engine.bound(), levels: task.levels_below_seeds, seeds, certify, verb }
     }
 }
 

@@ -36,7 +36,7 @@ use wgpu::{Buffer, CommandBuffer, CommandEncoder};
 ///     } else {
 ///         cloth.set_positions(positions)?;
 ///     }
-///     println!("{} pairs", query.all(&GpuQuestion::within(&cloth))?.len());
+///     println!("{} pairs", query.all(&GpuQuestion::itself(&cloth))?.len());
 /// }
 /// # Ok(()) }
 /// ```

@@ -5,7 +5,7 @@
 //! back in between.
 
 use crate::clock::{Clock, Timing};
-use crate::gpu::{Descent, Gpu, OfShadows};
+use crate::gpu::{Certifying, Descent, Gpu};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query};
 use crate::lists::Lists;
@@ -34,8 +34,8 @@ pub(crate) struct Engine {
     depth: u32,
     workgroups: u32,
     descent: Arc<Descent>,
-    /// The passes that replace two of these in questions about shadows, once there was one.
-    shadows: Option<Arc<OfShadows>>,
+    /// The passes that replace two of these where the host decides what f32 leaves open, once that was asked.
+    certifying: Option<Arc<Certifying>>,
     groups: Groups,
     meshes: Option<Meshes>,
     /// Hits of each pair of instances.
@@ -69,7 +69,7 @@ impl Engine {
             workgroups: settings.groups.clamp(1, 65_535),
             groups: Groups::new(gpu, &descent, &lists)?,
             descent,
-            shadows: None,
+            certifying: None,
             meshes: None,
             tallies: None,
             ticket: 0,
@@ -124,10 +124,10 @@ impl Engine {
         self.bind_buffers([a.id, b.id], &buffers)
     }
 
-    /// Has the passes ready for questions about shadows.
-    pub(crate) fn ready_for_shadows(&mut self) -> Result<(), GpuError> {
-        if self.shadows.is_none() {
-            self.shadows = Some(self.gpu.shadows()?);
+    /// Has the passes ready for questions about shadows, or pairs within a distance.
+    pub(crate) fn ready_to_certify(&mut self) -> Result<(), GpuError> {
+        if self.certifying.is_none() {
+            self.certifying = Some(self.gpu.certifying()?);
         }
         Ok(())
     }
@@ -262,9 +262,9 @@ impl Engine {
         verb: Option<(GpuVerb, Order)>,
     ) {
         let (verb, order) = verb.unzip();
-        let Self { gpu, descent, shadows, groups, workgroups, clock, .. } = self;
-        let (narrow, decide) = match shadows.as_ref().filter(|_| task.query.shadows != 0) {
-            Some(shadows) => (&shadows.narrow, &shadows.decide),
+        let Self { gpu, descent, certifying, groups, workgroups, clock, .. } = self;
+        let (narrow, decide) = match certifying.as_ref().filter(|_| task.query.certify != 0) {
+            Some(passes) => (&passes.narrow, &passes.certify),
             None => (&descent.narrow, &descent.decide),
         };
         let shaders = gpu.passes();

@@ -1,6 +1,6 @@
 //! Why a GPU cannot answer, and what to do about it.
 
-use crate::layout::LARGEST_POSED;
+use crate::layout::{LARGEST_DISTANCE, LARGEST_POSED};
 use pfront_core::pose::PoseError;
 use pfront_core::{CapacityError, MeshError};
 
@@ -98,6 +98,15 @@ pub enum GpuError {
          range. Take them from the query about the same meshes"
     )]
     Shadows,
+    /// No GPU answers about pairs within this distance.
+    #[error(
+        "a GPU answers about pairs within at most {LARGEST_DISTANCE:e} of each other, of two models, and was asked for {distance:e}: \
+         ask on the CPU"
+    )]
+    Distance {
+        /// The distance.
+        distance: f32,
+    },
     /// The flag of [`GpuQuery::set_cancel`](crate::GpuQuery::set_cancel) or
     /// [`World::set_cancel`](crate::World::set_cancel) was set.
     #[error("the question was cancelled")]

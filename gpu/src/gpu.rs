@@ -6,7 +6,7 @@ use crate::pass::{Arithmetic, Pass, Target};
 use crate::totals::Totals;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
-    DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
+    CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
     NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -37,7 +37,7 @@ struct Shared {
     device: Device,
     queue: Queue,
     passes: Passes,
-    shadows: OnceLock<Result<Arc<OfShadows>, GpuError>>,
+    certifying: OnceLock<Result<Arc<Certifying>, GpuError>>,
     instances: OnceLock<Result<Arc<Descent>, GpuError>>,
     moving: OnceLock<Result<Arc<MovingPasses>, GpuError>>,
     target: Target,
@@ -70,11 +70,12 @@ pub(crate) struct Descent {
     pub(crate) decide: Pass,
 }
 
-/// The passes of [`Descent`] that differ about shadows of meshes in f64. They take the same bind groups.
+/// The passes in place of two of [`Descent`] where the host decides what f32 leaves open: about shadows of meshes in f64, and pairs
+/// within a distance. They take the same bind groups.
 #[derive(Debug)]
-pub(crate) struct OfShadows {
+pub(crate) struct Certifying {
     pub(crate) narrow: Pass,
-    pub(crate) decide: Pass,
+    pub(crate) certify: Pass,
 }
 
 impl Descent {
@@ -161,7 +162,7 @@ impl Gpu {
                 device,
                 queue,
                 passes,
-                shadows: OnceLock::new(),
+                certifying: OnceLock::new(),
                 instances: OnceLock::new(),
                 moving: OnceLock::new(),
                 target,
@@ -236,15 +237,15 @@ impl Gpu {
         &self.shared.passes
     }
 
-    /// The passes about shadows, compiled for the first question in f64.
-    pub(crate) fn shadows(&self) -> Result<Arc<OfShadows>, GpuError> {
+    /// The passes where the host decides what f32 leaves open, compiled for the first such question.
+    pub(crate) fn certifying(&self) -> Result<Arc<Certifying>, GpuError> {
         let compile = || {
-            let target = Target { shadows: true, ..self.shared.target };
+            let target = Target { certify: true, ..self.shared.target };
             let pass = |pass| Pass::new(self.device(), pass, target);
-            let passes = OfShadows { narrow: pass(&NARROW)?, decide: pass(&DECIDE)? };
+            let passes = Certifying { narrow: pass(&NARROW)?, certify: pass(&CERTIFY)? };
             self.check().map(|()| Arc::new(passes))
         };
-        self.shared.shadows.get_or_init(compile).clone()
+        self.shared.certifying.get_or_init(compile).clone()
     }
 
     /// The passes about instances, compiled when the first of them is made.

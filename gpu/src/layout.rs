@@ -63,9 +63,10 @@ shared! {
         beam: u32,
         pair_shift: u32,
         each: u32,
-        padding: [u32; 2],
+        certify: u32,
+        padding: u32,
         error: [f32; 3],
-        shadows: u32,
+        distance: f32,
     }
 
     /// A pair of instances: how the second stands in the frame in which boxes are compared, and both in the world.
@@ -152,6 +153,9 @@ impl Counters {
 /// The largest coordinate of a mesh that is posed, since shaders subtract and pad coordinates before they pose them.
 pub(crate) const LARGEST_POSED: f32 = f32::MAX / 2.0;
 
+/// The largest distance by which boxes grow, so that those of posed coordinates stay finite.
+pub(crate) const LARGEST_DISTANCE: f32 = f32::MAX / 4.0;
+
 impl Placement {
     /// A pose as the shaders use it.
     ///
@@ -168,6 +172,12 @@ impl Placement {
             [x, y, z, t.abs() * PADDING + FLUSHED]
         });
         Self { rows: pose.rows, reach }
+    }
+
+    /// Has boxes reach so much farther, and what the sums with that distance round.
+    pub(crate) fn grow(&mut self, distance: f32) {
+        const ROUNDED: f32 = 1.0 + PADDING;
+        self.reach.iter_mut().for_each(|[.., w]| *w += distance * ROUNDED);
     }
 
     /// The pose of a shadow, whose corners may be so far from what they stand for.

@@ -46,21 +46,21 @@ pub(crate) struct Target {
     pub(crate) arithmetic: Arithmetic,
     /// Rounds that a workgroup does in a pass before it gives up.
     pub(crate) rounds: u32,
-    /// Whether questions are about shadows of meshes in f64.
-    pub(crate) shadows: bool,
+    /// Whether the host decides what f32 leaves open.
+    pub(crate) certify: bool,
 }
 
 impl Target {
     pub(crate) fn new(device: &Device, arithmetic: Arithmetic) -> Self {
         let rounds = rounds(device.adapter_info().device_type);
-        Self { arithmetic, rounds, shadows: false }
+        Self { arithmetic, rounds, certify: false }
     }
 
     fn overrides(self) -> [(&'static str, f64); 3] {
         [
             ("ARITHMETIC", f64::from(self.arithmetic as u8)),
             ("MOST_ROUNDS", self.rounds.into()),
-            ("SHADOWS", u8::from(self.shadows).into()),
+            ("CERTIFY", u8::from(self.certify).into()),
         ]
     }
 }

@@ -2,15 +2,15 @@
 
 use crate::check::{check_pose, check_shadows};
 use crate::engine::Engine;
-use crate::layout::{Counters, Placement, Query};
+use crate::layout::{Counters, LARGEST_DISTANCE, Placement, Query};
 use crate::report::reports;
 use crate::runner::{Asked, Runner};
 use crate::task::{GpuVerb, Task};
 use crate::{Gpu, GpuError, GpuModel, GpuSettings};
 use bytemuck::Zeroable;
-use pfront_core::Pose;
 use pfront_core::bvtt::{Shadows, TrianglePair};
 use pfront_core::triangle::Adjacency;
+use pfront_core::{Distance, Pose};
 use std::mem::offset_of;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -24,7 +24,7 @@ use wgpu::{Buffer, CommandEncoder};
 /// use pfront_gpu::{GpuModel, GpuQuestion};
 /// # fn demo(a: GpuModel, b: GpuModel) {
 /// let gap = GpuQuestion::pair(&a, &b, &Pose::from_translation([0.0, 0.0, 0.3]));
-/// let folds = GpuQuestion::within(&a);
+/// let folds = GpuQuestion::itself(&a);
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,8 @@ pub enum GpuQuestion<'m> {
         models: [&'m GpuModel; 2],
         /// The pose of the second.
         a_from_b: Pose,
+        /// See [`GpuQuestion::within`].
+        within: Distance,
     },
     /// Two models, one of which or whose pose is in f64. See [`GpuQuestion::shadows`].
     Shadows {
@@ -43,6 +45,8 @@ pub enum GpuQuestion<'m> {
         models: [&'m GpuModel; 2],
         /// How their shadows are posed.
         shadows: Shadows,
+        /// See [`GpuQuestion::within`].
+        within: Distance,
     },
     /// A model and itself. Each unordered pair is reported once, with `a < b`; what two triangles share by index is no
     /// contact ([`pfront_core::triangle::intersects_in_mesh`]).
@@ -58,7 +62,7 @@ impl<'m> GpuQuestion<'m> {
     /// Two models, the second in the pose `a_from_b`.
     #[must_use]
     pub fn pair(a: &'m GpuModel, b: &'m GpuModel, a_from_b: &Pose) -> Self {
-        Self::Pair { models: [a, b], a_from_b: *a_from_b }
+        Self::Pair { models: [a, b], a_from_b: *a_from_b, within: Distance::default() }
     }
 
     /// Two models, one of which or whose pose is in f64, by [`PairBvtt::shadows`](pfront_core::bvtt::PairBvtt::shadows) of their
@@ -71,38 +75,73 @@ impl<'m> GpuQuestion<'m> {
     /// theirs.
     #[must_use]
     pub fn shadows(a: &'m GpuModel, b: &'m GpuModel, shadows: &Shadows) -> Self {
-        Self::Shadows { models: [a, b], shadows: *shadows }
+        Self::Shadows { models: [a, b], shadows: *shadows, within: Distance::default() }
+    }
+
+    /// Asks for the triangle pairs of two models that are at most so far apart, in place of those that meet.
+    ///
+    /// The answer is what f32 certifies. Pairs that it leaves open are not part of it, nor of any count, but in
+    /// [`GpuQuery::open`], for [`PairBvtt::intersects`](pfront_core::bvtt::PairBvtt::intersects) of the same question to decide.
+    /// Distances beyond a quarter of the range of f32 are [`GpuError::Distance`], and so are any of a model and itself but 0.
+    ///
+    /// # Examples
+    /// ```no_run
+    /// # use pfront_core::{Distance, Pose, bvtt::PairBvtt};
+    /// # use pfront_gpu::*;
+    /// # fn demo(tree: PairBvtt, a: GpuModel, b: GpuModel, mut query: GpuQuery) -> Result<(), Box<dyn std::error::Error>> {
+    /// let distance = Distance::new(0.02)?;
+    /// let question = GpuQuestion::pair(&a, &b, &Pose::IDENTITY).within(distance)?;
+    /// let mut pairs = query.all(&question)?.to_vec();
+    /// let tree = tree.within(distance);
+    /// pairs.extend(query.open().iter().filter(|pair| tree.intersects(**pair)));
+    /// # Ok(()) }
+    /// ```
+    ///
+    /// # Errors
+    /// [`GpuError::Distance`]. The query refuses a second model with coordinates beyond 2¹²⁵, as one that is posed.
+    pub fn within(mut self, distance: Distance) -> Result<Self, GpuError> {
+        match &mut self {
+            Self::Pair { within, .. } | Self::Shadows { within, .. }
+                if distance.get() <= LARGEST_DISTANCE =>
+            {
+                *within = distance;
+                Ok(self)
+            }
+            Self::Itself { .. } if distance == Distance::default() => Ok(self),
+            _ => Err(GpuError::Distance { distance: distance.get() }),
+        }
     }
 
     /// A model and itself, under the shared-index rule.
     #[must_use]
-    pub fn within(model: &'m GpuModel) -> Self {
+    pub fn itself(model: &'m GpuModel) -> Self {
         Self::Itself { model, adjacency: Adjacency::default() }
     }
 
     /// Binds the models; `None` if one is empty.
     fn task(&self, engine: &mut Engine) -> Result<Option<Task>, GpuError> {
         let ([a, b], query) = match *self {
-            Self::Pair { models: [a, b], a_from_b } => {
+            Self::Pair { models: [a, b], a_from_b, within } => {
                 let (Some(_), Some(bounds)) = (a.bounds, b.bounds) else { return Ok(None) };
                 if a.is_shadow || b.is_shadow {
                     return Err(GpuError::InF64);
                 }
-                let posed = a_from_b != Pose::IDENTITY;
-                if posed {
+                let moves = a_from_b != Pose::IDENTITY;
+                if moves || within > Distance::default() {
                     check_pose(&a_from_b, &bounds)?;
                 }
                 let sides = [Pose::IDENTITY, a_from_b].each_ref().map(Placement::new);
-                ([a, b], Query { sides, posed: [0, u32::from(posed)], ..Query::zeroed() })
+                let posed = [0, u32::from(moves)];
+                ([a, b], near(Query { sides, posed, ..Query::zeroed() }, within, engine)?)
             }
-            Self::Shadows { models: [a, b], shadows } => {
+            Self::Shadows { models: [a, b], shadows, within } => {
                 let (Some(of_a), Some(of_b)) = (a.bounds, b.bounds) else { return Ok(None) };
                 check_shadows(&shadows, [&of_a, &of_b])?;
-                engine.ready_for_shadows()?;
+                engine.ready_to_certify()?;
                 let Shadows { poses, padding, error } = shadows;
                 let sides = [0, 1].map(|k| Placement::of_shadow(&poses[k], padding[k]));
-                let own = Query { sides, posed: [1; 2], error, shadows: 1, ..Query::zeroed() };
-                ([a, b], own)
+                let own = Query { sides, posed: [1; 2], error, certify: 1, ..Query::zeroed() };
+                ([a, b], near(own, within, engine)?)
             }
             Self::Itself { model, adjacency } => {
                 if model.bounds.is_none() {
@@ -127,6 +166,17 @@ impl<'m> GpuQuestion<'m> {
     }
 }
 
+/// A question about pairs within a distance: boxes of the second side, which is posed, grow by it.
+fn near(query: Query, within: Distance, engine: &mut Engine) -> Result<Query, GpuError> {
+    if within == Distance::default() {
+        return Ok(query);
+    }
+    engine.ready_to_certify()?;
+    let (mut query, distance) = (query, within.get());
+    query.sides[1].grow(distance);
+    Ok(Query { posed: [query.posed[0], 1], distance, certify: 1, ..query })
+}
+
 /// Asks which triangles of two models meet, or of one with itself. The answer is the same, to the bit, as that of the core.
 ///
 /// Owns the lists that a question needs: make one and use it every frame, for any models. [`GpuQuery::all`],
@@ -144,7 +194,7 @@ impl<'m> GpuQuestion<'m> {
 /// let gpu = Gpu::new()?;
 /// let model = GpuModel::new(&gpu, bvh)?;
 /// let mut query = GpuQuery::new(&gpu)?;
-/// println!("{} pairs within", query.count(&GpuQuestion::within(&model))?);
+/// println!("{} pairs within", query.count(&GpuQuestion::itself(&model))?);
 /// let mut pairs = Vec::new();
 /// for frame in 0..4 {
 ///     let a_from_b = Pose::from_translation([0.0, 0.0, 0.3 * frame as f32]);
@@ -294,7 +344,8 @@ impl GpuQuery {
         self.runner.engine.cancel = flag;
     }
 
-    /// The triangle pairs that the device left open in the last answer, if that was about shadows: see [`GpuQuestion::shadows`].
+    /// The triangle pairs that the device left open in the last answer, if that was about shadows or pairs within a distance: see
+    /// [`GpuQuestion::shadows`] and [`GpuQuestion::within`].
     /// They are for the caller to decide, unless the question was whether any pair meets, and one does.
     #[must_use]
     pub fn open(&self) -> &[TrianglePair] {

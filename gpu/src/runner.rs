@@ -35,7 +35,7 @@ pub(crate) struct Runner {
     pub(crate) pairs: Vec<TrianglePair>,
     /// Pairs that the CPU decided, until they join `pairs`.
     late: Vec<TrianglePair>,
-    /// Pairs of shadows that the device left open.
+    /// Pairs that the device left open for the host.
     pub(crate) open: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: GpuReport,
@@ -386,7 +386,7 @@ impl Runner {
             self.tallies.resize(pairs, 0);
             (self.tallies.iter_mut().zip(tallies)).for_each(|(sum, own)| *sum += u64::from(own));
         }
-        if task.query.shadows != 0 {
+        if task.query.certify != 0 {
             let pair = |rest: &Rest| TrianglePair { a: rest.pair[0], b: rest.pair[1] };
             reserve(&mut self.open, rest.len())?;
             self.open.extend(rest.iter().map(pair));

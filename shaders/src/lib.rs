@@ -59,6 +59,7 @@ texts! {
     LATTICE = "parts/lattice";
     LAYOUT = "parts/layout";
     MESHES = "parts/meshes";
+    NEAR = "parts/near";
     NOTHING = "parts/nothing";
     ORDERED = "parts/ordered";
     OUTCOME = "parts/outcome";
@@ -105,6 +106,12 @@ pub const NARROW: Pass = pass!(
 pub const DECIDE: Pass = pass!(
     "decide", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES,
     SHARING, SIGNS, FILTER, OUTCOME, LATTICE, EXACT, RESULTS
+);
+
+/// [`DECIDE`] where the host decides what f32 leaves open: about shadows, and pairs within a distance.
+pub const CERTIFY: Pass = pass!(
+    "certify", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, PLACE, SOFT, WIDE, TRIANGLES,
+    SHARING, SIGNS, FILTER, OUTCOME, NEAR, RESULTS
 );
 
 /// One hit of each pair of instances, if it is easily found.
@@ -172,11 +179,12 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 22] = [
+pub const PASSES: [Pass; 23] = [
     SEED,
     EXPAND,
     NARROW,
     DECIDE,
+    CERTIFY,
     DIVE,
     EXPAND_INSTANCES,
     NARROW_INSTANCES,

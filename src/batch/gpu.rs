@@ -1,17 +1,17 @@
 //! Answering a batch on a GPU, which submits without waiting; the thread of the executor reads.
 //!
 //! A batch goes there in parts: all pairs of models in f32 are one, as bodies of a world; a model with itself, a pair in
-//! f64, by its shadow, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
+//! f64, by its shadow, pairs within a distance, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
 //! the other is read. A model in f64 with itself is a part that the thread answers by itself.
 
 use super::cpu::Steps;
 use super::found::Found;
 use super::job::Job;
-use crate::Error;
 use crate::executor::{Device, Gathered, Reader, Seat, Slot, Verb, Work, check, merge_open, read};
 use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
 use crate::ticket::{Outcome, Shown};
+use crate::{Distance, Error};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -58,7 +58,7 @@ fn parts(job: &Job) -> Vec<Part> {
     for (number, question) in job.questions.iter().enumerate() {
         if question.is_for_cpu() {
             others.push(Part::OnCpu(number));
-        } else if question.pair_in_f32().is_some() {
+        } else if question.pair_in_f32().is_some() && question.distance() == Distance::default() {
             pairs.push(number);
         } else {
             others.push(Part::One(number));
@@ -187,8 +187,9 @@ impl<T> Answering<T> {
         let [a, b] = subject.both();
         let there = [self.device.model(a)?, self.device.model(b)?];
         let outlines = Default::default();
-        let in_f64 = subject.in_f64(&outlines)?;
-        let question = subject.question(there.each_ref().map(|model| &**model), in_f64.as_ref());
+        let left_open = subject.left_open(&outlines)?;
+        let there = there.each_ref().map(|model| &**model);
+        let question = subject.question(there, left_open.as_ref())?;
         lists.submit(&question, self.job.verb.into())?;
         Ok(())
     }
@@ -223,7 +224,7 @@ impl<T> Answering<T> {
                 let mut answer = read(lists, verb, &mut found.pairs)?;
                 let outlines = Default::default();
                 if !lists.open().is_empty()
-                    && let Some(tree) = self.job.questions[number].in_f64(&outlines)?
+                    && let Some(tree) = self.job.questions[number].left_open(&outlines)?
                 {
                     let intersects = |pair| tree.intersects(pair);
                     answer = merge_open(lists, verb, answer, &mut found.pairs, intersects)?;

@@ -35,8 +35,8 @@
 //!   submitted later. All pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
 //!   triangles or nodes in all: the next are prepared while the device works on the last. A model with itself is a submission of its
 //!   own, and so is a pair of which a model or the pose is in f64: the device answers by shadows, and what it leaves open is decided
-//!   on the CPU. A model in f64 with itself is asked on the CPU, and so is
-//!   all within a distance. [`Ticket::plan`] tells who answers.
+//!   on the CPU. A pair within a distance is a submission of its own, too. A model in f64 with itself is asked on the CPU, and so is
+//!   a model with itself within a distance. [`Ticket::plan`] tells who answers.
 //!
 //!   One thread of the executor reads all tickets, in the order of submission, and decides what is left to the CPU. It polls, as wgpu
 //!   calls back only if somebody does, so a ticket needs no poll of the caller's and a future no runtime. Two submissions are

@@ -84,8 +84,8 @@ pub enum Reason {
     NotWorthChanging,
     /// The CPU answers one frame of many, in case it has become faster than the GPU.
     Check,
-    /// Only a CPU answers this: contacts, visits, which bodies meet, a mesh in f64 with itself, and in a scene bodies in f64 and
-    /// bodies with themselves.
+    /// Only a CPU answers this: contacts, visits, which bodies meet, a mesh in f64 with itself, a mesh and itself
+    /// within a distance, and in a scene bodies in f64, bodies with themselves and all within a distance.
     CpuOnly,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,
@@ -145,7 +145,7 @@ impl fmt::Display for Reason {
             Self::Faster => "predicted to be as fast as the other or faster",
             Self::NotWorthChanging => "the other has not yet saved the price of a change",
             Self::Check => "to see whether the CPU has become faster",
-            Self::CpuOnly => "only a CPU answers this; a GPU answers about f64 for two models only",
+            Self::CpuOnly => "only a CPU answers this; about f64, and within a distance, a GPU answers for two models only",
             Self::GpuFailed => "the GPU has failed",
         })
     }

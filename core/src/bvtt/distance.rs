@@ -290,7 +290,7 @@ fn greatest_below(query: &PairBvtt<'_>, pair: TrianglePair, high: f32) -> f32 {
 impl PairBvtt<'_> {
     /// Whether two triangles are at most so far apart, exactly.
     #[inline(never)]
-    fn are_within(&self, pair: TrianglePair, distance: f32) -> bool {
+    pub(super) fn are_within(&self, pair: TrianglePair, distance: f32) -> bool {
         match self.error() {
             None => within(&self.a.triangle(pair.a), &self.b.triangle(pair.b), distance),
             Some(_) => {

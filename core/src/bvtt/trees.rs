@@ -215,7 +215,7 @@ impl<'a> PairBvtt<'a> {
         Some(Shadows { poses: poses.map(Affine::to_pose), padding, error })
     }
 
-    /// Whether two triangles meet, exactly.
+    /// Whether two triangles meet, or are within the distance that is asked for, exactly.
     ///
     /// # Panics
     /// If an index is out of range.
@@ -233,6 +233,10 @@ impl<'a> PairBvtt<'a> {
     /// ```
     #[must_use]
     pub fn intersects(&self, pair: TrianglePair) -> bool {
+        #[cfg(feature = "within")]
+        if let Some(distance) = self.reach() {
+            return self.are_within(pair, distance);
+        }
         match self.error() {
             None => intersects(&self.a.triangle(pair.a), &self.b.triangle(pair.b)),
             Some(_) => {

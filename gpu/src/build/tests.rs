@@ -192,7 +192,7 @@ fn few_rounds_take_more_runs_and_give_the_same_answer() {
     run(&built.build);
     let pose = Pose::from_translation([0.05, 0.0, 0.0]);
     let [(many, one), (few, more)] = [800, 10].map(|rounds| {
-        let target = Target { arithmetic: gpu().arithmetic(), rounds, shadows: false };
+        let target = Target { arithmetic: gpu().arithmetic(), rounds, certify: false };
         let settings = crate::GpuSettings { groups: 1, ..gpu().settings() };
         let gpu = gpu().with_target(target).unwrap();
         let mut query = GpuQuery::with_settings(&gpu, settings).unwrap();

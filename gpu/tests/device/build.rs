@@ -41,8 +41,8 @@ fn a_sheet_that_folds_refitted_and_rebuilt() {
         }
         sheet.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(sheet.bvh()));
-        assert!(own.all(&GpuQuestion::within(&built)).unwrap() == within, "frame {frame}");
-        assert!(own.all(&GpuQuestion::within(&given)).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::itself(&built)).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::itself(&given)).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
         let met = truth(&sheet, &ball, &pose);
         assert!(
@@ -108,7 +108,7 @@ fn any_number_of_triangles() {
         built.rebuild_at(&tangled).unwrap();
         let mut own = GpuQuery::new(gpu()).unwrap();
         assert_eq!(
-            own.all(&GpuQuestion::within(&built)).unwrap(),
+            own.all(&GpuQuestion::itself(&built)).unwrap(),
             sorted(&bvtt::SelfBvtt::new(mesh.bvh())),
             "{n}"
         );
@@ -128,7 +128,7 @@ fn positions_at_the_ends_of_the_range() {
         mesh.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(mesh.bvh()));
         built.rebuild_at(&positions).unwrap();
-        assert!(own.all(&GpuQuestion::within(&built)).unwrap() == within, "{scale:e}");
+        assert!(own.all(&GpuQuestion::itself(&built)).unwrap() == within, "{scale:e}");
     }
 }
 
@@ -140,7 +140,7 @@ fn all_triangles_in_one_place() {
         let built = build(&positions, &triangles, 4);
         let mut own = GpuQuery::new(gpu()).unwrap();
         assert_eq!(
-            own.all(&GpuQuestion::within(&built)).unwrap(),
+            own.all(&GpuQuestion::itself(&built)).unwrap(),
             sorted(&bvtt::SelfBvtt::new(mesh.bvh()))
         );
         let mut pair = GpuQuery::new(gpu()).unwrap();

@@ -22,7 +22,7 @@ fn a_sheet_that_folds() {
         moving.set_positions(&positions).unwrap();
         sheet.set_positions(&positions);
         let within = sorted(&bvtt::SelfBvtt::new(sheet.bvh()));
-        assert!(own.all(&GpuQuestion::within(&moving)).unwrap() == within, "frame {frame}");
+        assert!(own.all(&GpuQuestion::itself(&moving)).unwrap() == within, "frame {frame}");
         let pose = Pose::from_translation(positions[frame]);
         assert!(
             pair.all(&GpuQuestion::pair(&moving, &ball.model, &pose)).unwrap()
@@ -49,7 +49,7 @@ fn parts_serve_other_positions() {
         moving.set_positions(&positions).unwrap();
         core.set_positions(&positions);
         let truth = sorted(&bvtt::SelfBvtt::new(core.bvh()));
-        assert_eq!(query.all(&GpuQuestion::within(&moving)).unwrap(), truth, "{fold}");
+        assert_eq!(query.all(&GpuQuestion::itself(&moving)).unwrap(), truth, "{fold}");
         (found, runs) = (found + truth.len(), runs.max(query.report().runs));
     }
     assert!(found > 0 && runs > 1, "{found} {runs}");
@@ -68,7 +68,7 @@ fn positions_at_the_ends_of_the_range() {
         moving.set_positions(&positions).unwrap();
         mesh.set_positions(&positions);
         assert!(
-            own.all(&GpuQuestion::within(&moving)).unwrap()
+            own.all(&GpuQuestion::itself(&moving)).unwrap()
                 == sorted(&bvtt::SelfBvtt::new(mesh.bvh()))
         );
     }
@@ -88,5 +88,5 @@ fn positions_that_do_not_fit_change_nothing() {
     let empty = Both::new(&[], &[], 4);
     let mut moving = Deforming::new(gpu(), empty.bvh()).unwrap();
     moving.set_positions(&[]).unwrap();
-    assert_eq!(GpuQuery::new(gpu()).unwrap().all(&GpuQuestion::within(&moving)).unwrap(), []);
+    assert_eq!(GpuQuery::new(gpu()).unwrap().all(&GpuQuestion::itself(&moving)).unwrap(), []);
 }

@@ -11,9 +11,9 @@ use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::shapes::{bumpy, family, pose_rows, sheet, sphere};
 
 /// A place that f32 knows to half a metre.
-const FAR: [f64; 3] = [500_000.1, 5_000_000.2, 300.3];
+pub(crate) const FAR: [f64; 3] = [500_000.1, 5_000_000.2, 300.3];
 
-struct Exact {
+pub(crate) struct Exact {
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     shadow: Vec<[f32; 3]>,
@@ -24,7 +24,7 @@ struct Exact {
 
 impl Exact {
     /// A mesh around a place, each coordinate off by some units in its last place.
-    fn new(soup: &MeshData, place: [f64; 3], rng: &mut impl Rng) -> Self {
+    pub(crate) fn new(soup: &MeshData, place: [f64; 3], rng: &mut impl Rng) -> Self {
         let position = |p: &[f32; 3]| {
             [0, 1, 2].map(|k| {
                 let x = place[k] + f64::from(p[k]);
@@ -45,7 +45,7 @@ impl Exact {
         Self { positions, triangles, shadow, origin, nodes, order }
     }
 
-    fn bvh(&self) -> Bvh<'_> {
+    pub(crate) fn bvh(&self) -> Bvh<'_> {
         let Self { positions, shadow, origin, triangles, nodes, order } = self;
         let mesh = Mesh::from_f64_unchecked(positions, shadow, *origin, triangles);
         Bvh::new_unchecked(mesh, nodes, order)
@@ -74,7 +74,7 @@ fn check(gpu: &Gpu, query: &mut GpuQuery, a: &Exact, b: &Exact, a_from_b: &Pose6
 }
 
 /// A pose around a place, by rows of one around the origin.
-fn around(place: [f64; 3], rows: [[f32; 4]; 3]) -> Pose64 {
+pub(crate) fn around(place: [f64; 3], rows: [[f32; 4]; 3]) -> Pose64 {
     let back = Pose64::from_translation(place.map(|x| -x));
     Pose64::from_translation(place) * Pose64::from(Pose::new(rows)) * back
 }
@@ -177,7 +177,7 @@ fn kinds_mix() {
     }
     // Other questions about a shadow would be answered about something else.
     let pair = GpuQuestion::pair(&of_exact, &rounded.model, &Pose::IDENTITY);
-    for question in [pair, GpuQuestion::within(&of_exact)] {
+    for question in [pair, GpuQuestion::itself(&of_exact)] {
         assert!(matches!(query.submit(&question, GpuVerb::All), Err(GpuError::InF64)));
     }
 }

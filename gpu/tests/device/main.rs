@@ -7,6 +7,7 @@ mod common;
 mod deforming;
 mod in_f64;
 mod itself;
+mod near;
 mod order;
 mod pairs;
 mod scene;

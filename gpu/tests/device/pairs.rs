@@ -258,7 +258,7 @@ fn the_parts_of_a_question_are_those_of_the_next() {
     assert!(apart[0] > 1 && apart.is_sorted_by(|x, y| x >= y) && apart[4] == 1, "{apart:?}");
     // Within one model there are other node pairs.
     runs(Pose::IDENTITY);
-    let within = GpuQuestion::within(&flat.model);
+    let within = GpuQuestion::itself(&flat.model);
     let truth = sorted(&bvtt::SelfBvtt::new(flat.bvh()));
     for _ in 0..2 {
         assert_eq!(query.all(&within).unwrap(), truth);

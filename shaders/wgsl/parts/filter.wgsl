@@ -8,8 +8,8 @@
 // Differences of coordinates of shadows are off by `query.error`. A sign between shadows counts only beyond what
 // that can make of the determinant besides; the host decides what it leaves open.
 
-// 1 about shadows.
-override SHADOWS = 0u;
+// 1 if the host decides what f32 leaves open: `query.certify`.
+override CERTIFY = 0u;
 
 const RELATIVE = 1.9073486328125e-6;
 const ABSOLUTE = 6.018531076210112e-36;
@@ -25,8 +25,9 @@ fn size_bits(v: vec3f) -> u32 {
     return max(max(bits.x, bits.y), bits.z);
 }
 
-// The side of the plane of `t` on which each corner of `p` lies, 0 where unsure: one bound serves all three.
-fn filtered_sides(t: Triangle, p: Triangle) -> vec3i {
+// The side of the plane of `t` on which each corner of `p` lies, farther than `reach` from it, 0 where unsure: one bound serves all
+// three.
+fn filtered_sides(t: Triangle, p: Triangle, reach: f32) -> vec3i {
     let u = difference(t[1], t[0]);
     let v = difference(t[2], t[0]);
     let w = Triangle(difference(p[0], t[0]), difference(p[1], t[0]), difference(p[2], t[0]));
@@ -40,7 +41,17 @@ fn filtered_sides(t: Triangle, p: Triangle) -> vec3i {
     let s = u.zxy * v.yzx;
     let normal = r - s;
     let heights = vec3f(dot(normal, w[0]), dot(normal, w[1]), dot(normal, w[2]));
-    let bound = error_bound(dot(abs(r) + abs(s), of_p), most);
+    var bound = error_bound(dot(abs(r) + abs(s), of_p), most);
+    if reach > 0.0 {
+        // No corner is farther from a plane than four times the largest difference.
+        if reach > 4.0 * extent {
+            return vec3i(0);
+        }
+        // |normal| is computed from numbers about 1; what it was rounded by is a share of what it is the difference of.
+        let size = max(bitcast<f32>(size_bits(normal)), 1e-30);
+        let rounded = RELATIVE * dot(abs(r) + abs(s), vec3f(1.0)) + 1e-30;
+        bound += reach * (size * length(normal / size) * (1.0 + RELATIVE) + rounded);
+    }
     let above = select(vec3i(0), vec3i(1), heights > vec3f(bound));
     return above - select(vec3i(0), vec3i(1), heights < vec3f(-bound));
 }
@@ -63,7 +74,7 @@ fn filtered_sign(u: vec3f, v: vec3f, w: vec3f) -> i32 {
 fn error_bound(permanent: f32, most: vec3f) -> f32 {
     let scale = 1.0 + max(max(most.x, most.y), most.z);
     let bound = RELATIVE * permanent + ABSOLUTE * scale * scale;
-    if SHADOWS == 1u {
+    if CERTIFY == 1u {
         return bound + shadow_error(most) + ABSOLUTE * scale * scale;
     }
     return bound;
@@ -83,11 +94,11 @@ fn filtered_orient3d(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> i32 {
 
 // The logic of the core's `triangle::meet`, without zeros.
 fn filtered_meet(a: Triangle, b: Triangle) -> u32 {
-    let a_sides = filtered_sides(b, a);
+    let a_sides = filtered_sides(b, a, 0.0);
     if one_sided(a_sides) {
         return MISS;
     }
-    let b_sides = filtered_sides(a, b);
+    let b_sides = filtered_sides(a, b, 0.0);
     if one_sided(b_sides) {
         return MISS;
     }
@@ -147,8 +158,8 @@ fn filtered_neighbours(shared_corners: u32, a: Triangle, b: Triangle) -> u32 {
     if separated_at_vertex(a, b) {
         return MISS;
     }
-    let a_sides = filtered_sides(b, a).yz;
-    let b_sides = filtered_sides(a, b).yz;
+    let a_sides = filtered_sides(b, a, 0.0).yz;
+    let b_sides = filtered_sides(a, b, 0.0).yz;
     if a_sides.x * a_sides.y > 0 || b_sides.x * b_sides.y > 0 {
         return MISS;
     }

@@ -6,8 +6,6 @@
 // predicates below are exact; when not, the CPU decides the pair. Where differences fit in 32 bits,
 // as nearly all do, a determinant takes a tenth of the work.
 
-const POINTS = 6u;
-
 // The positions as 64-bit integers: for each team, axis by axis, point by point.
 var<workgroup> lattice: array<vec2u, TEAMS * 3 * POINTS>;
 // Where this team's begin.

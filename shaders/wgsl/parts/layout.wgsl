@@ -50,10 +50,12 @@ struct Query {
     pair_shift: u32,
     // 0, or ANY_EACH or COUNT_EACH for a question about each pair of instances.
     each: u32,
-    // Between shadows, how far the difference of two coordinates may be from that of what they stand for.
+    // 1 if the host decides what f32 leaves open: about shadows of meshes in f64, and within a distance.
+    certify: u32,
+    // Between shadows, how far the difference of two coordinates may be from that of what they stand for; else 0.
     error: vec3f,
-    // 1 about shadows of meshes in f64.
-    shadows: u32,
+    // Triangles that are at most so far apart are asked for, if this is not 0, in place of those that meet.
+    distance: f32,
 }
 
 struct Step {

@@ -1,6 +1,5 @@
-// Triangle pairs that a workgroup has decided on, and those it has not: one array filled from both
-// ends, written out with one addition to a global counter for each end. The pass says, with
-// `put_aside`, where a pair goes that it leaves open.
+// Triangle pairs that a workgroup has decided on, and those that it leaves to the CPU: one array filled from both ends, written
+// out with one addition to a global counter for each end.
 
 var<workgroup> results: array<vec2u, RESULTS>;
 var<workgroup> sure: atomic<u32>;
@@ -48,6 +47,47 @@ fn write_results(lane: u32) {
     if left != 0u {
         put_aside(lane, left);
     }
+}
+
+// Writes results out unless those of another round fit; after a barrier.
+fn make_room(lane: u32) {
+    if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - GROUP {
+        write_results(lane);
+        workgroupBarrier();
+        clear_results(lane);
+    }
+}
+
+fn put_aside(lane: u32, count: u32) {
+    var base = 0u;
+    if lane == 0u {
+        base = atomicAdd(&counters.rest, count);
+    }
+    base = tell(lane, base);
+    for (var i = lane; i < count; i += GROUP) {
+        if base + i < query.rest_capacity {
+            rest[base + i] = rest_of(results[RESULTS - 1u - i]);
+        } else {
+            overflowed(REST_OVERFLOW);
+        }
+    }
+}
+
+// Unposed: the CPU poses what the device may doubt.
+fn rest_of(slots: vec2u) -> Rest {
+    var all: array<Corner, POINTS>;
+    for (var i = 0u; i < POINTS; i++) {
+        all[i] = corner_at(slots, i);
+    }
+    return Rest(all, triangles_in(slots));
+}
+
+fn corner_at(slots: vec2u, member: u32) -> Corner {
+    turn_to_pair_of(slots.x);
+    if member < 3u {
+        return corner_of(corner_a(slots.x, member));
+    }
+    return corner_of(corner_b(slots.y, member - 3u));
 }
 
 // The triangles in two slots; of one mesh, the lower index first.

@@ -2,6 +2,9 @@
 
 alias Triangle = array<vec3f, 3>;
 
+// Corners of a pair.
+const POINTS = 6u;
+
 struct Corners {
     positions: Triangle,
     vertices: vec3u,

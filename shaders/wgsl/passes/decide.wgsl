@@ -69,24 +69,13 @@ fn decide(
     }
 }
 
-// Writes results out unless those of another round fit; after a barrier.
-fn make_room(lane: u32) {
-    if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - GROUP {
-        write_results(lane);
-        workgroupBarrier();
-        clear_results(lane);
-    }
-}
-
 fn decide_in_f32(found: vec2u) {
     let slots = found & vec2u(~0u, ~CERTIFIED);
     var outcome = HIT;
     if (found.y & CERTIFIED) == 0u {
         outcome = outcome_in_f32(slots);
     }
-    if outcome == UNSURE && SHADOWS == 1u {
-        add_open(slots);
-    } else if outcome == UNSURE {
+    if outcome == UNSURE {
         waiting[atomicAdd(&waiting_count, 1u)] = slots;
     } else if outcome == HIT {
         add_hit(slots);
@@ -145,14 +134,6 @@ fn decide_in_integers(lane: u32, first: u32, count: u32) {
     workgroupBarrier();
 }
 
-fn corner_at(slots: vec2u, member: u32) -> Corner {
-    turn_to_pair_of(slots.x);
-    if member < 3u {
-        return corner_of(corner_a(slots.x, member));
-    }
-    return corner_of(corner_b(slots.y, member - 3u));
-}
-
 fn placed_corner(slots: vec2u, member: u32) -> Corner {
     let corner = corner_at(slots, member);
     let side = member / 3u;
@@ -204,28 +185,4 @@ fn replies(team: u32) -> array<i32, TEAM> {
         all[i] = second_signs[team * TEAM + i];
     }
     return all;
-}
-
-fn put_aside(lane: u32, count: u32) {
-    var base = 0u;
-    if lane == 0u {
-        base = atomicAdd(&counters.rest, count);
-    }
-    base = tell(lane, base);
-    for (var i = lane; i < count; i += GROUP) {
-        if base + i < query.rest_capacity {
-            rest[base + i] = rest_of(results[RESULTS - 1u - i]);
-        } else {
-            overflowed(REST_OVERFLOW);
-        }
-    }
-}
-
-// Unposed: the CPU poses what the device may doubt.
-fn rest_of(slots: vec2u) -> Rest {
-    var all: array<Corner, POINTS>;
-    for (var i = 0u; i < POINTS; i++) {
-        all[i] = corner_at(slots, i);
-    }
-    return Rest(all, triangles_in(slots));
 }

@@ -118,8 +118,9 @@ fn test_boxes(runs: vec2u, which: u32) {
     }
 }
 
-// Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common: cheap, the same for
-// neighbours as for others, and the end of nearly all. The further tests that neighbours need would make all others wait.
+// Keeps a triangle pair unless a plane of either has the other on one side, but for corners in common, and farther away than the
+// distance that is asked for: cheap, the same for neighbours as for others, and the end of nearly all. The further tests that
+// neighbours need would make all others wait.
 fn test_planes(slots: vec2u) {
     doubt = false;
     turn_to_pair_of(slots.x);
@@ -130,25 +131,32 @@ fn test_planes(slots: vec2u) {
     let shared_corners = shared_corners_of(own.vertices, other.vertices);
     let is_neighbour = any(shared_corners.a);
     var outcome = UNSURE;
-    if !doubt && (!is_neighbour || query.apart == 1u || !repeats(own.vertices, other.vertices)) {
+    // Of shadows, it is not known how long the normals of planes are.
+    let has_planes = asked_distance() == 0.0 || all(query.error == vec3f(0.0));
+    if !doubt && has_planes && (!is_neighbour || query.apart == 1u || !repeats(own.vertices, other.vertices)) {
         if is_neighbour && query.apart == 1u {
             return;
         }
-        let a_sides = filtered_sides(b, a);
+        let a_sides = filtered_sides(b, a, asked_distance());
         if beyond(a_sides, shared_corners.a) {
             return;
         }
-        let b_sides = filtered_sides(a, b);
+        let b_sides = filtered_sides(a, b, asked_distance());
         if beyond(b_sides, shared_corners.b) {
             return;
         }
-        if !is_neighbour {
+        if !is_neighbour && asked_distance() == 0.0 {
             outcome = filtered_crossing(a, a_sides, b, b_sides);
         }
     }
     if outcome != MISS {
         stay[atomicAdd(&stay_count, 1u)] = slots | vec2u(0u, select(0u, CERTIFIED, outcome == HIT));
     }
+}
+
+// How far apart triangles may be that are asked for.
+fn asked_distance() -> f32 {
+    return select(0.0, query.distance, CERTIFY == 1u);
 }
 
 // Whether all corners but those in common are strictly on one side.

@@ -105,7 +105,7 @@ impl Device {
         lock(&self.gathered).push(gathered);
     }
 
-    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`]. Open pairs of shadows are decided by `intersects`.
+    /// Asks and waits; `pairs` is replaced, by the list under [`Verb::All`]. Open pairs are decided by `intersects`.
     pub(crate) fn ask(
         &self,
         question: &GpuQuestion<'_>,
@@ -149,7 +149,7 @@ fn take_one(taken: &AtomicUsize, most: usize) -> bool {
     taken.fetch_update(Relaxed, Relaxed, |taken| (taken < most).then_some(taken + 1)).is_ok()
 }
 
-/// Adds the pairs of shadows that `intersects` finds among those that the device has left open to an answer, and to `pairs`
+/// Adds the pairs that `intersects` finds among those that the device has left open to an answer, and to `pairs`
 /// under [`Verb::All`].
 pub(crate) fn merge_open(
     query: &GpuQuery,

@@ -55,9 +55,9 @@ impl Mirrors {
     ) -> Result<Answer<TrianglePair>, Error> {
         let models = self.bring(device, subject.models())?;
         let outlines = Default::default();
-        let in_f64 = subject.in_f64(&outlines)?;
-        let question = subject.question(models, in_f64.as_ref());
-        let intersects = |pair| in_f64.as_ref().is_some_and(|tree| tree.intersects(pair));
+        let left_open = subject.left_open(&outlines)?;
+        let question = subject.question(models, left_open.as_ref())?;
+        let intersects = |pair| left_open.as_ref().is_some_and(|tree| tree.intersects(pair));
         device.ask(&question, cancel, verb, pairs, intersects)
     }
 

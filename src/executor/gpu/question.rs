@@ -1,9 +1,9 @@
 //! Subjects as questions for a GPU.
 
-use crate::gpu::{GpuModel, GpuQuestion};
+use crate::gpu::{GpuError, GpuModel, GpuQuestion};
 use crate::model::Outline;
 use crate::subject::Subject;
-use crate::{AnyPose, Error, Model, Pose};
+use crate::{AnyPose, Distance, Error, Model, Pose};
 use pfront_core::bvtt::{AnyBvtt, PairBvtt};
 use std::borrow::Borrow;
 
@@ -19,16 +19,17 @@ impl<M: Borrow<Model>> Subject<M> {
         }
     }
 
-    /// The tree of two of which a model or the pose is in f64: a GPU goes by its shadows, and it decides what they leave open.
-    pub(crate) fn in_f64<'q>(
+    /// The tree that decides the pairs that a GPU leaves open: of two of which a model or the pose is in f64, so that it goes by shadows,
+    /// and of a question about pairs within a distance.
+    pub(crate) fn left_open<'q>(
         &'q self,
         outlines: &'q [Outline; 2],
     ) -> Result<Option<PairBvtt<'q>>, Error> {
-        if self.pair_in_f32().is_some() {
+        if self.pair_in_f32().is_some() && self.distance() == Distance::default() {
             return Ok(None);
         }
         Ok(match self.untraversed(outlines)? {
-            AnyBvtt::Pair(tree) => Some(tree),
+            AnyBvtt::Pair(tree) => Some(tree.within(self.distance())),
             AnyBvtt::Itself(_) => None,
         })
     }
@@ -37,9 +38,9 @@ impl<M: Borrow<Model>> Subject<M> {
     pub(crate) fn question<'q>(
         &self,
         [a, b]: [&'q GpuModel; 2],
-        in_f64: Option<&PairBvtt<'_>>,
-    ) -> GpuQuestion<'q> {
-        match (self, in_f64.and_then(PairBvtt::shadows)) {
+        left_open: Option<&PairBvtt<'_>>,
+    ) -> Result<GpuQuestion<'q>, GpuError> {
+        let question = match (self, left_open.and_then(PairBvtt::shadows)) {
             (Self::Itself { adjacency, .. }, _) => {
                 GpuQuestion::Itself { model: a, adjacency: *adjacency }
             }
@@ -51,6 +52,7 @@ impl<M: Borrow<Model>> Subject<M> {
             (Self::Pair { a_from_b: AnyPose::F64(_), .. }, None) => {
                 GpuQuestion::pair(a, b, &Pose::IDENTITY)
             }
-        }
+        };
+        question.within(self.distance())
     }
 }

@@ -340,7 +340,7 @@ def collides(a: MeshLike, b: MeshLike | None = None, pose: Pose = None, *, progr
         Called as ``progress(done, total)`` while many poses are answered.
     within : float
         Ask for pairs of triangles at most so far apart in place of those that intersect, exactly; rounded up to float32, so that no
-        pair is missed. What two faces of one mesh share by index is decided as without. CPUs answer.
+        pair is missed. What two faces of one mesh share by index is decided as without. A GPU answers about two meshes only.
 
     Raises
     ------
