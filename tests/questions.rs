@@ -122,7 +122,7 @@ fn who_answers() -> Vec<Vec<String>> {
         rows.push(row.to_vec());
     };
     for (precision, model) in &models {
-        for verb in ["any", "all", "count", "contacts", "visit", "distance"] {
+        for verb in ["any", "all", "count", "contacts", "patches", "visit", "distance"] {
             let ask = |executor: &Executor| {
                 let mut query = PairQuery::new().on(executor);
                 let (a, b, pose) = (&still, model, aside(0));
@@ -131,6 +131,7 @@ fn who_answers() -> Vec<Vec<String>> {
                     "all" => query.all(a, b, pose).map(drop),
                     "count" => query.count(a, b, pose).map(drop),
                     "contacts" => query.contacts(a, b, pose).map(drop),
+                    "patches" => query.patches(a, b, pose).map(drop),
                     "distance" => query.distance(a, b, pose).map(drop),
                     _ => query.visit(a, b, pose, |_| ControlFlow::Continue(())).map(drop),
                 }
