@@ -134,7 +134,10 @@ fn decimals_decide_as_they_are_written() {
     // To the GPU of a scene nobody in f64 goes.
     let told =
         String::from_utf8(pfront(at, "scene floor.obj over.obj --backend gpu").stderr).unwrap();
-    assert!(told.contains("about f64, and within a distance, a GPU answers for two models only"), "{told}");
+    assert!(
+        told.contains("about f64, and within a distance, a GPU answers for two models only"),
+        "{told}"
+    );
 }
 
 #[test]
