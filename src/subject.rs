@@ -5,6 +5,9 @@ use crate::{Adjacency, AnyPose, Distance, Error, Model};
 use pfront_core::bvtt::{AnyBvtt, SelfBvtt};
 use std::borrow::Borrow;
 
+/// The largest distance about which a GPU is asked. It refuses all above: boxes that grow by more are not finite.
+const LARGEST_ON_GPU: f32 = f32::MAX / 4.0;
+
 /// A subject of a frame, which borrows its models or shares them, and the distance within which pairs are hits.
 #[derive(Clone, Debug)]
 pub(crate) enum Subject<M> {
@@ -118,7 +121,7 @@ impl<M: Borrow<Model>> Subject<M> {
     /// that are beyond a GPU.
     pub(crate) fn is_for_cpu(&self) -> bool {
         match self {
-            Self::Pair { .. } => self.distance().get() > f32::MAX / 4.0,
+            Self::Pair { .. } => self.distance().get() > LARGEST_ON_GPU,
             Self::Itself { models: [model], .. } => {
                 self.distance() > Distance::default() || model.borrow().is_f64()
             }

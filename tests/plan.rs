@@ -232,11 +232,16 @@ mod on_gpu {
         let far = Pose64::from_translation([2.01, 0.0, 1e-12]);
         assert!(query.count(&model, &model, far).unwrap() > 0);
         assert_eq!(query.plan().unwrap().backend, Backend::Gpu);
-        // No box grows so much on a GPU.
-        let mut query = PairQuery::new().on(&executor()).within(1e38).unwrap();
+        // Above a quarter of the range, no box grows so much on a GPU.
+        let largest = f32::MAX / 4.0;
         let all = model.mesh().triangles().len().pow(2) as u64;
-        assert_eq!(query.count(&model, &model, aside).unwrap(), all);
-        assert_eq!(query.plan().unwrap().reason, Reason::CpuOnly);
+        for (distance, is_gpu) in [(largest, true), (largest.next_up(), false), (1e38, false)] {
+            let mut query = PairQuery::new().on(&executor()).within(distance).unwrap();
+            assert_eq!(query.count(&model, &model, aside).unwrap(), all);
+            let plan = query.plan().unwrap();
+            assert_eq!(plan.backend == Backend::Gpu, is_gpu, "{distance}");
+            assert_eq!(plan.reason == Reason::CpuOnly, !is_gpu, "{distance}");
+        }
         let mut query = SelfQuery::new().on(&executor()).within(0.1).unwrap();
         query.all(&model).unwrap();
         assert_eq!(query.plan().unwrap().reason, Reason::CpuOnly);
