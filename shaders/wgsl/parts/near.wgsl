@@ -2,8 +2,8 @@
 // invocation.
 //
 // Near points x and y of both triangles are found, by any means, and then have to prove it: they are feasible, and |x - y| is at
-// most the distance; or along y - x the second triangle begins farther behind the first than the distance. What is off is the
-// margin, 2^-15 of the largest coordinate R: seven times the core's, whose operations round to nearest; these may round either
+// most the distance; or along y - x the second triangle begins farther behind the first than the distance. These are off by
+// at most the margin, 2^-15 of the largest coordinate R: seven times the core's, whose operations round to nearest; these may round either
 // way, fuse, reassociate, and divide with some units of error, which only moves points within their triangles. Coordinates
 // are scaled so that R is from 1 to 2, where nothing overflows, and what is flushed is far below the margin. There is no
 // division by less than 2^-60, since compilers may take it that no number is infinite, or none at all.

@@ -49,6 +49,15 @@ fn write_results(lane: u32) {
     }
 }
 
+// Whether a question for one hit has its answer; the same in all invocations.
+fn has_answer(lane: u32) -> bool {
+    if lane == 0u {
+        // A hit that this workgroup has still to write answers as well.
+        told = u32(is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u)));
+    }
+    return workgroupUniformLoad(&told) == 1u;
+}
+
 // Writes results out unless those of another round fit; after a barrier.
 fn make_room(lane: u32) {
     if tell(lane, atomicLoad(&sure) + atomicLoad(&open)) > RESULTS - GROUP {

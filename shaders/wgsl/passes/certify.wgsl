@@ -21,11 +21,7 @@ fn certify(
             break;
         }
         rounds++;
-        if lane == 0u {
-            // A hit that this workgroup has still to write answers as well.
-            told = u32(is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u)));
-        }
-        if workgroupUniformLoad(&told) == 1u {
+        if has_answer(lane) {
             break;
         }
         if done + lane < mine {

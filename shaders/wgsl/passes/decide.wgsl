@@ -37,11 +37,7 @@ fn decide(
             overflowed(WORK_OVERFLOW);
             break;
         }
-        if lane == 0u {
-            // A hit that this workgroup has still to write answers as well.
-            told = u32(is_answered() | ((query.one_hit == 1u) & (atomicLoad(&sure) != 0u)));
-        }
-        if workgroupUniformLoad(&told) == 1u {
+        if has_answer(lane) {
             break;
         }
         let ready = tell(lane, atomicLoad(&waiting_count));

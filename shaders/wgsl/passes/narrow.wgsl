@@ -131,7 +131,7 @@ fn test_planes(slots: vec2u) {
     let shared_corners = shared_corners_of(own.vertices, other.vertices);
     let is_neighbour = any(shared_corners.a);
     var outcome = UNSURE;
-    // Of shadows, it is not known how long the normals of planes are.
+    // How long the normals of planes are is not known of shadows.
     let has_planes = asked_distance() == 0.0 || all(query.error == vec3f(0.0));
     if !doubt && has_planes && (!is_neighbour || query.apart == 1u || !repeats(own.vertices, other.vertices)) {
         if is_neighbour && query.apart == 1u {
