@@ -22,7 +22,7 @@ pub(super) struct Corner {
 }
 
 /// A segment in which two triangles meet, or that is the border of a polygon in which they do.
-pub(super) struct Line {
+pub(super) struct ContactLine {
     pub(super) name: Name,
     pub(super) pair: u32,
     pub(super) ends: [Name; 2],
@@ -38,32 +38,35 @@ pub(crate) struct Pieces {
     /// How many pairs there are.
     pub(super) pairs: u32,
     pub(super) corners: Vec<Corner>,
-    pub(super) lines: Vec<Line>,
+    pub(super) lines: Vec<ContactLine>,
     /// The areas of polygons, by the number of their pairs.
     pub(super) areas: Vec<(u32, Interval)>,
     /// The corners of the last pair; kept to use their memory again.
-    own: Vec<Own>,
+    own: Vec<PosedCorner>,
 }
 
-/// A corner of a pair, by the numbers of its regions.
-struct Own {
-    regions: [usize; 2],
+/// A corner of a pair, in the pose in which it is measured.
+struct PosedCorner {
+    regions: [Region; 2],
     at: [Interval; 3],
 }
 
-/// The edges that hold a region with their ends, a bit for each.
-fn edges(region: usize) -> u8 {
-    Region::ALL[region].edges()
+impl PosedCorner {
+    /// The edges of each triangle that hold this corner and another with their ends, a bit for each.
+    fn common_edges(&self, other: &Self) -> [u8; 2] {
+        [0, 1].map(|mesh| self.regions[mesh].edges() & other.regions[mesh].edges())
+    }
+
+    /// The smallest regions, of both triangles, that hold the inside of the segment to another corner.
+    fn between(&self, other: &Self) -> [Region; 2] {
+        self.common_edges(other).map(|edges| match edges {
+            0 => Region::Face,
+            edges => Region::Edge(edges.trailing_zeros() as u8),
+        })
+    }
 }
 
-/// The numbers of the smallest regions, of both triangles, that hold the inside of the segment between two corners.
-fn between(p: &Own, q: &Own) -> [usize; 2] {
-    [0, 1].map(|mesh| {
-        let common = edges(p.regions[mesh]) & edges(q.regions[mesh]);
-        if common == 0 { Region::ALL.len() - 1 } else { 3 + common.trailing_zeros() as usize }
-    })
-}
-
+/// The number of a region in [`Region::ALL`].
 fn number(region: Region) -> usize {
     match region {
         Region::Corner(k) => k.into(),
@@ -85,11 +88,11 @@ impl Pieces {
         self.pairs += 1;
         let (Some(meet), [a, b]) = (tree.meet(pair), tree.corners(pair)) else { return Ok(()) };
         let names = [vertices.regions(0, pair.a), vertices.regions(1, pair.b)];
-        let name = |regions: [usize; 2]| [names[0][regions[0]], names[1][regions[1]]];
+        let name = |[r, s]: [Region; 2]| [names[0][number(r)], names[1][number(s)]];
         let corners = &mut self.own;
         corners.clear();
         for (regions, p) in meet.corners().zip(meet.points(&a, &b)) {
-            push(corners, Own { regions: regions.map(number), at: posed(pose, &p) })?;
+            push(corners, PosedCorner { regions, at: posed(pose, &p) })?;
         }
         let is_all = meet.dimension() == 0;
         reserve(&mut self.corners, corners.len())?;
@@ -102,9 +105,9 @@ impl Pieces {
         if is_all {
             return Ok(());
         }
-        let mut line = |p: &Own, q: &Own| {
-            let line = Line {
-                name: name(between(p, q)),
+        let mut line = |p: &PosedCorner, q: &PosedCorner| {
+            let line = ContactLine {
+                name: name(p.between(q)),
                 pair: number_of_pair,
                 ends: [name(p.regions), name(q.regions)],
                 is_border: meet.dimension() == 2,
@@ -123,8 +126,10 @@ impl Pieces {
         let parts = [0, 1].map(|mesh| parts(&meet, mesh, [&a, &b][mesh]));
         for part_of_a in parts[0].iter().filter(|part| **part != 0) {
             for part_of_b in parts[1].iter().filter(|part| **part != 0) {
-                let is_of_both =
-                    |own: &&Own| part_of_a >> own.regions[0] & part_of_b >> own.regions[1] & 1 != 0;
+                let is_of_both = |corner: &&PosedCorner| {
+                    let [r, s] = corner.regions.map(number);
+                    part_of_a >> r & part_of_b >> s & 1 != 0
+                };
                 let mut of_both = corners.iter().filter(is_of_both);
                 if let (Some(p), Some(q)) = (of_both.next(), of_both.next()) {
                     line(p, q)?;
@@ -164,19 +169,16 @@ fn parts(meet: &Meet, mesh: usize, t: &[[f64; 3]; 3]) -> [u8; 3] {
 }
 
 /// Puts the corners of a polygon in order around it: two are beside each other if an edge of a triangle holds both.
-fn sort_around(corners: &mut [Own]) {
-    let is_beside = |p: &Own, q: &Own| {
-        let common = |mesh: usize| edges(p.regions[mesh]) & edges(q.regions[mesh]);
-        common(0) | common(1) != 0
-    };
+fn sort_around(corners: &mut [PosedCorner]) {
     for at in 1..corners.len() {
-        let next = (at..corners.len()).find(|&i| is_beside(&corners[at - 1], &corners[i]));
+        let is_beside = |&i: &usize| corners[at - 1].common_edges(&corners[i]) != [0; 2];
+        let next = (at..corners.len()).find(is_beside);
         corners.swap(at, next.unwrap_or(at));
     }
 }
 
 /// The area of a polygon.
-fn area(corners: &[Own]) -> Interval {
+fn area(corners: &[PosedCorner]) -> Interval {
     let mut sum = [[0.0; 2]; 3];
     for two in corners[1..].windows(2) {
         let [u, v] = [&two[0], &two[1]].map(|corner| towards(&corners[0].at, &corner.at));

@@ -119,7 +119,7 @@ impl Meet {
     }
 
     /// The common part of two triangles that have areas, by its corners; `None` if there are none.
-    fn new(Corners(corners): Corners, are_coplanar: bool) -> Option<Self> {
+    fn new(CornerSet(corners): CornerSet, are_coplanar: bool) -> Option<Self> {
         let dimension = corners.count_ones().checked_sub(1)?.min(2) as u8;
         let mut found = Self { corners, dimension, is_proper: false, has_area: [true; 2] };
         // The edges on which all corners are.
@@ -184,7 +184,7 @@ pub(crate) fn meet_of<C: Scalar>(a: &[[C; 3]; 3], b: &[[C; 3]; 3]) -> Option<Mee
     if one_sided(&b_sides) {
         return None;
     }
-    let mut found = Corners(0);
+    let mut found = CornerSet(0);
     // A side other than 0 is one of a plane, so that the triangle has an area.
     let are_crossed = a_sides != [0; 3] && b_sides != [0; 3];
     let has_area = if are_crossed { [true; 2] } else { [a, b].map(|t| has_area(t)) };
@@ -222,9 +222,9 @@ fn distinct_regions<C: Scalar>(t: &[[C; 3]; 3]) -> usize {
 
 /// The corners found, as in [`Meet`].
 #[derive(Clone, Copy)]
-struct Corners(u64);
+struct CornerSet(u64);
 
-impl Corners {
+impl CornerSet {
     fn add(&mut self, (of_a, of_b): (usize, usize)) {
         self.0 |= 1 << (7 * of_a + of_b);
     }
