@@ -1,6 +1,8 @@
-//! Relations of solids that are sets of cells, by every executor.
+//! Relations of solids that are sets of cells, and the patches in which they meet, by every executor.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod patches;
 
 use pfront::{Executor, Model, PairQuery, Pose, Pose64, Relation, Solid};
 use pfront_testkit::MeshData;

@@ -1,26 +1,13 @@
 //! Patches of contact of solids that are sets of cells, by every executor, and of solids that cross.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-use pfront::{ContactPatch, ContactSize, Executor, Model, PairQuery, Pose, Pose64, TrianglePair};
+use crate::executors;
+use pfront::{ContactPatch, ContactSize, Model, PairQuery, Pose, Pose64, TrianglePair};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::solids::{Blocks, Patch, map, mapped, pair, patches};
 
 fn model(mesh: MeshData) -> Model {
     Model::new(mesh.positions, mesh.triangles).unwrap()
-}
-
-fn executors() -> Vec<Executor> {
-    let mut executors = vec![Executor::sequential()];
-    #[cfg(feature = "threads")]
-    executors.push(Executor::threads(2));
-    #[cfg(feature = "gpu")]
-    {
-        let gpu = pfront::gpu::Gpu::new().unwrap();
-        executors.push(Executor::gpu(&gpu, gpu.settings()));
-    }
-    executors
 }
 
 /// The whole number that a short interval holds.
