@@ -38,11 +38,43 @@ impl Solid {
     /// # Complexity
     /// O(n log n) for n triangles, and a query of the model about itself.
     pub fn new(model: impl Into<Arc<Model>>) -> Result<Self, Error> {
-        let model = model.into();
+        Self::of(model.into(), false)
+    }
+
+    /// The same of a model that is asked about as a surface: it may be open and meet itself, and has no interior. To a solid it is apart,
+    /// touching, crossing or inside; to another surface apart, touching or crossing, or undetermined where they meet along edges alone.
+    ///
+    /// # Errors
+    /// [`Error::Solid`] if no triangle has an area; [`Error::Memory`].
+    ///
+    /// # Complexity
+    /// O(n log n) for n triangles.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, PairQuery, Pose, Relation, Solid};
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let open = Solid::surface(Model::new(corners.clone(), vec![[1, 2, 3]])?)?;
+    /// let solid = Solid::new(Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?)?;
+    /// let mut query = PairQuery::new();
+    /// let mut at = |s| query.relation(&open, &solid, Pose::new([[s, 0.0, 0.0, -0.25], [0.0, s, 0.0, -0.25], [0.0, 0.0, s, -0.25]]));
+    /// assert_eq!(at(4.0)?.relation, Some(Relation::AInB));
+    /// assert_eq!(at(1.5)?.relation, Some(Relation::Apart));
+    /// assert_eq!(at(1.75)?.relation, Some(Relation::Touching));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn surface(model: impl Into<Arc<Model>>) -> Result<Self, Error> {
+        Self::of(model.into(), true)
+    }
+
+    fn of(model: Arc<Model>, is_surface: bool) -> Result<Self, Error> {
         let (vertices, n) = (model.mesh().vertex_count(), model.mesh().triangles().len());
         let mut words = filled(0, solid_bound(vertices, n))?;
         let mut scratch = filled(0, solid_scratch_bound(vertices, n))?;
-        with_default(|| View::new(model.bvh(), &mut words, &mut scratch).map(drop))?;
+        with_default(|| match is_surface {
+            true => View::surface(model.bvh(), &mut words, &mut scratch).map(drop),
+            false => View::new(model.bvh(), &mut words, &mut scratch).map(drop),
+        })?;
         Ok(Self { model, words })
     }
 
@@ -109,6 +141,6 @@ impl Solid {
                 Model::from_f64(posed, triangles)?
             }
         };
-        Self::new(model)
+        Self::of(Arc::new(model), self.rule() == Rule::Surface)
     }
 }

@@ -1187,6 +1187,18 @@ pfront_status_t pfront_batch_count(const struct pfront_executor_t *executor,
                                    uint64_t *counts,
                                    struct pfront_error_t *error);
 
+// Finds the smallest distance of the models of each of `subject_count` subjects, as `pfront_model_query_distance` does: what a planner
+// asks of many poses. `found[i]` is 1 and `gaps[i]` tells it, if it is at most `limit`, which is INFINITY for any; else `found[i]` is 0
+// and `gaps[i]` is not written. A model and itself are PFRONT_NULL. CPUs answer, on all threads of `executor`; null stands for the
+// calling thread. A subject at fault is `index` of the error.
+pfront_status_t pfront_batch_distance(const struct pfront_executor_t *executor,
+                                      const struct pfront_subject_t *subjects,
+                                      size_t subject_count,
+                                      float limit,
+                                      struct pfront_gap_t *gaps,
+                                      uint32_t *found,
+                                      struct pfront_error_t *error);
+
 // Finds what one solid is to another, exactly: models whose meshes are closed. Vertices at the same place are one, and several bodies in
 // one mesh are one solid. With `pfront_model_query_within`, solids that are apart are near if they are at most so far apart. A model and
 // itself are PFRONT_NULL, and what is no solid is PFRONT_OPEN_EDGE, PFRONT_MEETS_ITSELF or PFRONT_NO_VOLUME.

@@ -312,6 +312,19 @@ inline std::vector<std::optional<pair>> batch_any(span<const pfront_subject_t> s
     return told;
 }
 
+// How far apart the models of each subject are, if at most `limit`.
+inline std::vector<std::optional<pfront_gap_t>> batch_distance(span<const pfront_subject_t> subjects, float limit = INFINITY,
+                                                               const executor* on = nullptr) {
+    std::vector<pfront_gap_t> gaps(subjects.size());
+    std::vector<std::uint32_t> found(subjects.size());
+    detail::call(pfront_batch_distance, on ? on->get() : nullptr, subjects.data(), subjects.size(), limit, gaps.data(), found.data());
+    std::vector<std::optional<pfront_gap_t>> told(subjects.size());
+    for (std::size_t i = 0; i < told.size(); i++) {
+        if (found[i]) told[i] = gaps[i];
+    }
+    return told;
+}
+
 // The relations of bodies, sorted, and the bodies that are no solids.
 struct report {
     span<const pfront_checked_pair_t> pairs;

@@ -355,3 +355,32 @@ fn pfront_batch_count(
     counts.iter_mut().zip(answers).for_each(|(count, answer)| *count = answer);
     Ok(())
 }
+
+/// Finds the smallest distance of the models of each of `subject_count` subjects, as `pfront_model_query_distance` does: what a planner
+/// asks of many poses. `found[i]` is 1 and `gaps[i]` tells it, if it is at most `limit`, which is INFINITY for any; else `found[i]` is 0
+/// and `gaps[i]` is not written. A model and itself are PFRONT_NULL. CPUs answer, on all threads of `executor`; null stands for the
+/// calling thread. A subject at fault is `index` of the error.
+#[entry]
+fn pfront_batch_distance(
+    call: &mut Call<'_>,
+    executor: *const pfront_executor_t,
+    subjects: *const pfront_subject_t,
+    subject_count: usize,
+    limit: f32,
+    gaps: *mut pfront_gap_t,
+    found: *mut u32,
+) -> Done {
+    let gaps = call.write(c"gaps", gaps, subject_count)?;
+    let found = call.write(c"found", found, subject_count)?;
+    let (own, mut batch) = batch(call, executor, subjects, subject_count)?;
+    let ticket = match limit {
+        f32::INFINITY => batch.distance(&own.executor),
+        _ => batch.distance_below(&own.executor, limit),
+    };
+    let answers = ticket.and_then(|ticket| ticket.read())?;
+    for ((answer, gap), found) in answers.into_iter().zip(gaps).zip(found) {
+        *found = answer.is_some().into();
+        answer.into_iter().for_each(|some| *gap = some.into());
+    }
+    Ok(())
+}

@@ -147,6 +147,21 @@ static void subjects(void)
     EXPECT(PFRONT_NULL, "b", pfront_model_query_distance(query, &asked[4], 1, &gap, &found, &error));
     EXPECT(PFRONT_NULL, "gap", pfront_model_query_distance(query, &asked[1], 1, NULL, &found, &error));
     EXPECT(PFRONT_NULL, "found", pfront_model_query_distance(query, &asked[1], 1, &gap, NULL, &error));
+    // Many at once, of which one is too far apart.
+    pfront_gap_t gaps[4];
+    uint32_t near[4] = {2, 2, 2, 2};
+    OK(pfront_batch_distance(executor, asked, 4, INFINITY, gaps, near, &error));
+    for (int i = 0; i < 4; i++) {
+        THAT(near[i] == 1 && (gaps[i].high == 0) == (i != 1));
+    }
+    OK(pfront_batch_distance(NULL, asked, 4, (float)(gap.low * 0.9), gaps, near, &error));
+    THAT(near[0] == 1 && near[1] == 0 && near[2] == 1 && near[3] == 1);
+    THAT(gaps[1].low == gap.low && gaps[1].high == gap.high);
+    OK(pfront_batch_distance(NULL, NULL, 0, INFINITY, NULL, NULL, &error));
+    EXPECT(PFRONT_DISTANCE, "distance", pfront_batch_distance(executor, asked, 4, -1, gaps, near, &error));
+    EXPECT(PFRONT_NULL, "b", pfront_batch_distance(executor, asked, 5, INFINITY, (pfront_gap_t[5]){0}, (uint32_t[5]){0}, &error));
+    THAT(error.index == 4);
+    EXPECT(PFRONT_NULL, "gaps", pfront_batch_distance(executor, asked, 4, INFINITY, NULL, near, &error));
     // Everything is within a kilometre, and 0 asks for what intersects again.
     OK(pfront_model_query_within(query, 1e3f, &error));
     OK(pfront_model_query_count(query, &asked[1], &count, &error));

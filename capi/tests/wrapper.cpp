@@ -42,6 +42,7 @@ static void models(const pfront::buffers& floor, const pfront::buffers& blade) {
     EXPECT(counts[0] == 1 && counts[1] == 0);
     const pfront::executor on(PFRONT_CPU);
     EXPECT(pfront::batch_any(subjects, &on)[0] && !pfront::batch_any(subjects, &on)[1]);
+    EXPECT(pfront::batch_distance(subjects, INFINITY, &on)[1]->low > 1 && !pfront::batch_distance(subjects, 1)[1]);
     const pfront::pose there = pfront::multiply(far, pfront::inverse(far));
     EXPECT(std::memcmp(&there, &near, sizeof there) == 0);
 }

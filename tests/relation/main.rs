@@ -3,6 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod patches;
+mod surface;
+mod volume;
 
 use pfront::{Executor, Model, PairQuery, Pose, Pose64, Relation, Solid};
 use pfront_testkit::MeshData;
@@ -89,39 +91,6 @@ fn solids_apart_are_near_within_the_distance() {
     assert_eq!(relation(0.25, beside), Some(Relation::Near));
     assert_eq!(relation(0.125, beside), Some(Relation::Apart));
     assert_eq!(relation(0.25, Pose::IDENTITY), Some(Relation::Equal));
-}
-
-/// The interval holds the volume, of which flush parts have none, and is the same on every executor.
-#[test]
-fn the_overlap_volume_is_that_of_the_cells() {
-    let mut rng = seeded(51);
-    let executors = executors();
-    let mut queries: Vec<_> = executors.iter().map(|e| PairQuery::new().on(e)).collect();
-    for round in 0..60 {
-        let solids = pair(&mut rng);
-        let [a, b] = solids.each_ref().map(|s| solid(s.mesh(false, &mut rng)));
-        let [own, other] = solids.each_ref().map(|solid| solid.cells());
-        let truth = truth(&own, &other).volume as f64;
-        let found: Vec<_> = queries
-            .iter_mut()
-            .map(|query| query.overlap_volume(&a, &b, Pose::IDENTITY).unwrap())
-            .collect();
-        assert!(found.iter().all(|interval| *interval == found[0]), "{round} {found:?}");
-        let [low, high] = found[0];
-        assert!(low <= truth && truth <= high && high - low < 1e-7, "{round} {truth} {low} {high}");
-        // Both are turned by 37 degrees, and so rounded.
-        let (s, c) = 37_f64.to_radians().sin_cos();
-        let turn = Pose64::new([[c, -s, 0.0, 0.1], [s, c, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3]]);
-        let turned = |solid: &Solid| {
-            let mesh = solid.model().mesh();
-            let posed = mesh.shadow().iter().map(|p| turn.apply(p.map(f64::from)));
-            let model = Model::from_f64(posed.collect(), mesh.triangles().to_vec());
-            Solid::new(model.unwrap()).unwrap()
-        };
-        let (a, b) = (turned(&a), turned(&b));
-        let [low, high] = queries[0].overlap_volume(&a, &b, Pose::IDENTITY).unwrap();
-        assert!(high - low < 1e-7 && low < truth + 1e-7 && high > truth - 1e-7, "{round}");
-    }
 }
 
 /// An assembly of flush parts, turned by 37 degrees: of all that rounding makes cross, only the true clash is above a tolerance.
@@ -253,15 +222,4 @@ fn a_check_can_be_cancelled() {
     scene.add(cube(), Pose::IDENTITY).unwrap();
     scene.add(cube(), Pose::from_translation([0.5; 3])).unwrap();
     assert!(matches!(scene.check(&Allowed::default()), Err(Error::Cancelled)));
-}
-
-/// A mirrored solid overlaps as its posed mesh does.
-#[test]
-fn mirrored_solids_have_their_volume() {
-    let solid = Solid::new(cube()).unwrap();
-    let pose = Pose::new([[-1.0, 0.0, 0.0, 1.5], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5]]);
-    let mut query = PairQuery::new();
-    let [low, high] = query.overlap_volume(&solid, &solid, pose).unwrap();
-    assert!(low <= 0.25 && 0.25 <= high && high - low < 1e-11, "{low} {high}");
-    assert_eq!(query.relation(&solid, &solid, pose).unwrap().relation, Some(Relation::Crossing));
 }

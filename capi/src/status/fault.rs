@@ -186,6 +186,7 @@ impl From<pfront::Error> for Fault {
             }
             Error::Solid(error) => error.into(),
             Error::Distance(_) => Self::of(PFRONT_DISTANCE, c"distance"),
+            Error::NotAPair { question } => Self::of(PFRONT_NULL, c"b").at(question),
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)
             }

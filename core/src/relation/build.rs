@@ -22,6 +22,44 @@ impl<'a> Solid<'a> {
     /// O(n log n), a self query, and a ray for each patch, which takes as long as what it meets is much; an edge of k triangles takes
     /// O(k²).
     pub fn new(bvh: Bvh<'a>, words: &'a mut [u32], scratch: &mut [u32]) -> Result<Self, NotSolid> {
+        Self::of(bvh, words, scratch, false)
+    }
+
+    /// The same of a mesh that is asked about as a surface, open or not, and has no interior. It may meet itself.
+    ///
+    /// # Errors
+    /// [`NotSolid::NoArea`], or [`NotSolid::Capacity`].
+    ///
+    /// # Complexity
+    /// O(n log n).
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::bvh::{BuildOptions, BvhStorage, morton, node_bound};
+    /// use pfront_core::relation::{Rule, Solid, solid_bound, solid_scratch_bound};
+    /// use pfront_core::{Mesh, Node};
+    /// let mesh = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]])?;
+    /// let (mut nodes, mut order) = ([Node::EMPTY; node_bound(1)], [0; 1]);
+    /// let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+    /// let bvh = morton(mesh, &BuildOptions::default(), storage, &mut [0; 2])?;
+    /// let (mut words, mut scratch) = ([0; solid_bound(3, 1)], [0; solid_scratch_bound(3, 1)]);
+    /// assert_eq!(Solid::surface(bvh, &mut words, &mut scratch)?.rule(), Rule::Surface);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn surface(
+        bvh: Bvh<'a>,
+        words: &'a mut [u32],
+        scratch: &mut [u32],
+    ) -> Result<Self, NotSolid> {
+        Self::of(bvh, words, scratch, true)
+    }
+
+    fn of(
+        bvh: Bvh<'a>,
+        words: &'a mut [u32],
+        scratch: &mut [u32],
+        is_surface: bool,
+    ) -> Result<Self, NotSolid> {
         let (mesh, n) = (bvh.mesh(), bvh.mesh().triangles().len());
         let vertices = mesh.vertex_count();
         // Half-edges have numbers, and vertices 31 bits.
@@ -43,12 +81,12 @@ impl<'a> Solid<'a> {
         let (corners, _) = corners.as_chunks_mut();
         weld_corners(mesh, weld, corners);
         let len = sort_by_edge(corners, &mut weld[..vertices], half_edges);
-        let rule = rule(corners, &half_edges[..len])?;
+        let rule = if is_surface { Rule::Surface } else { rule(corners, &half_edges[..len])? };
         mark_degenerate(mesh, patch_of);
         link_fans(corners, &half_edges[..len], rule, patch_of, next, &mut marks);
-        let lowest = mark_hits(&bvh, corners, patch_of, &mut marks);
+        let lowest = if is_surface { None } else { mark_hits(&bvh, corners, patch_of, &mut marks) };
         let count = join_patches(corners, next, &marks, patch_of, patches);
-        header[..2].copy_from_slice(&[count as u32, u32::from(rule == Rule::Odd)]);
+        header[..2].copy_from_slice(&[count as u32, rule as u32]);
         let first_mark =
             || (0..n as u32).find(|&t| marks.has(t)).map(|t| TrianglePair { a: t, b: t });
         let lowest = lowest.or_else(first_mark);
@@ -57,14 +95,17 @@ impl<'a> Solid<'a> {
         let mut has_volume = false;
         let itself = PairBvtt::in_world(PosedBvh::unposed(bvh), PosedBvh::unposed(bvh));
         for patch in patches[..2 * count].chunks_exact_mut(2) {
-            if patch_of[patch[0] as usize] & MARKED == 0 {
+            if is_surface {
+                patch[1] = 0;
+            } else if patch_of[patch[0] as usize] & MARKED == 0 {
                 let front = own_winding(&itself, 0, patch[0]).unwrap_or(0);
                 patch[1] = front as u32;
                 has_volume |= rule.is_inside(front) != rule.is_inside(front + 1);
             }
         }
         match lowest {
-            _ if has_volume => {}
+            _ if has_volume || is_surface && count > 0 => {}
+            _ if is_surface => return Err(NotSolid::NoArea),
             Some(pair) => return Err(NotSolid::MeetsItself { pair }),
             None => return Err(NotSolid::NoVolume),
         }
@@ -182,6 +223,7 @@ fn link_fans(
         let is_balanced = match rule {
             Rule::NonZero => excess(corners, with_area.clone()) == 0,
             Rule::Odd => with_area.clone().count() % 2 == 0,
+            Rule::Surface => true,
         };
         if !is_balanced {
             with_area.for_each(|half_edge| marks.set(half_edge / 3));

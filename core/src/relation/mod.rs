@@ -21,6 +21,12 @@
 //!
 //! The interior of a mesh is that of the points with a winding number other than 0, or, of a mesh whose triangles are not
 //! oriented alike, with an odd one: see [`Rule`].
+//!
+//! A mesh may also be a surface, open or not, without an interior ([`Solid::surface`]). Then the points that are looked at are its own:
+//! those inside the other solid count as in both, those outside as only in the first; and those on its boundary as neither. What a
+//! surface and a solid can be is apart, touching, crossing, or the surface inside the solid. Nothing hangs on a surface that meets itself,
+//! since nothing is asked of its sides. Two surfaces cross if two of their triangles do in their interiors; what they are where
+//! they meet along edges alone is undetermined.
 
 mod ball;
 mod build;
@@ -30,6 +36,7 @@ mod inside;
 mod picture;
 mod query;
 mod ray;
+mod seen;
 mod solid;
 #[cfg(test)]
 mod tests;
@@ -37,7 +44,8 @@ mod trees;
 mod volume;
 
 pub use inside::Location;
-pub use query::{RelationQuery, Seen, seen_bound};
+pub use query::RelationQuery;
+pub use seen::{Seen, seen_bound};
 pub use solid::{NotSolid, Rule, Solid, solid_bound, solid_scratch_bound};
 pub use volume::Overlap;
 
@@ -131,8 +139,8 @@ impl fmt::Display for Relation {
 /// The answer about two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Between {
-    /// The relation; `None` if it is undetermined, since it hangs on triangles that meet their own mesh, or on an edge along which more
-    /// than 32 triangles of both meet.
+    /// The relation; `None` if it is undetermined, since it hangs on triangles that meet their own mesh, on an edge along which more
+    /// than 32 triangles of both meet, or on edges along which two surfaces meet.
     pub relation: Option<Relation>,
     /// Whether the surfaces meet, as those of nested solids may.
     pub meets: bool,

@@ -54,9 +54,14 @@ impl<C: Scalar> Picture<C> {
         true
     }
 
-    /// Visits the winding numbers of both meshes in each sector around the line. `known` has a half-plane of each mesh, with which no
-    /// other of the same mesh coincides, and the number of the mesh after it.
-    pub(super) fn visit_sectors(self, known: [(usize, i32); 2], mut visit: impl FnMut([i32; 2])) {
+    /// Visits the half-planes in turn, those that coincide as one: with the winding numbers of both meshes in the sector before them,
+    /// the meshes that they are of, and the numbers after them. `known` has a half-plane of each mesh, with which no other of the same
+    /// mesh coincides, and the number of the mesh after it.
+    pub(super) fn visit(
+        self,
+        known: [(usize, i32); 2],
+        mut visit: impl FnMut([i32; 2], [bool; 2], [i32; 2]),
+    ) {
         let (mut order, mut quarter) = ([0_u8; MOST], [0_u8; MOST]);
         let Some(seen) = self.reference() else { return };
         for i in 0..self.len {
@@ -86,12 +91,14 @@ impl<C: Scalar> Picture<C> {
             }
         }
         winding = offset;
-        for sector in order.chunk_by(coincide) {
-            for &i in sector {
+        for coinciding in order.chunk_by(coincide) {
+            let (before, mut meshes) = (winding, [false; 2]);
+            for &i in coinciding {
                 let HalfPlane { mesh, step, .. } = self.halves[i as usize];
                 winding[mesh] += step;
+                meshes[mesh] = true;
             }
-            visit(winding);
+            visit(before, meshes, winding);
         }
     }
 

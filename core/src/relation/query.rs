@@ -3,8 +3,9 @@
 use super::fans::{Bits, edge_of, fan};
 use super::picture::{HalfPlane, Picture, Run, run};
 use super::ray::{Posed, own_winding, winding};
+use super::seen::{BOTH, ONLY_A, ONLY_B, Seen, relation_of};
 use super::solid::{DEGENERATE, MARKED};
-use super::{Between, Relation, Solid};
+use super::{Between, Relation, Rule, Solid};
 use crate::bvtt::{PairBvtt, Query, TrianglePair};
 use crate::exact::Exact;
 use crate::exact::orientation::sides;
@@ -15,76 +16,6 @@ use crate::{Aabb, CapacityError, Pose};
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use glam::{DVec3, Vec3A};
-
-/// Points in both solids, only in the first, only in the second: all that decides a relation.
-const BOTH: u8 = 1;
-const ONLY_A: u8 = 2;
-const ONLY_B: u8 = 4;
-const CROSSING: u8 = BOTH | ONLY_A | ONLY_B;
-
-/// The number of words that [`Seen`] takes: a bit for each patch of both solids.
-#[must_use]
-pub const fn seen_bound(patches: usize) -> usize {
-    patches.div_ceil(32)
-}
-
-/// The evidence about two solids so far: which classes of points occur, whether the surfaces meet, and which patches meet the other
-/// along a line. The evidence of several workers is joined, in any order.
-#[derive(Debug)]
-pub struct Seen<'s> {
-    classes: u8,
-    meets: bool,
-    /// A pair that shows the relation, so far.
-    pair: Option<TrianglePair>,
-    /// The lowest pair with a marked triangle.
-    undetermined: Option<TrianglePair>,
-    /// Whether a pair has been passed over that only a solid of the posed mesh decides.
-    is_rounded: bool,
-    lines: &'s mut [u32],
-}
-
-impl<'s> Seen<'s> {
-    /// Nothing seen yet.
-    ///
-    /// # Errors
-    /// [`CapacityError`] if `lines` has fewer words than [`seen_bound`] of the patches of both solids together.
-    pub fn new(query: &RelationQuery<'_>, lines: &'s mut [u32]) -> Result<Self, CapacityError> {
-        let needed = seen_bound(query.patches());
-        CapacityError::check("lines", needed, lines.len())?;
-        let lines = &mut lines[..needed];
-        lines.fill(0);
-        let (pair, undetermined) = (None, None);
-        Ok(Self { classes: 0, meets: false, pair, undetermined, is_rounded: false, lines })
-    }
-
-    /// Adds what another worker has seen of the same solids.
-    pub fn join(&mut self, other: &Seen<'_>) {
-        let lower = |p: Option<TrianglePair>, q: Option<TrianglePair>| match (p, q) {
-            (Some(p), Some(q)) => Some(p.min(q)),
-            (p, q) => p.or(q),
-        };
-        self.pair = match (self.is_crossing(), other.is_crossing()) {
-            (true, false) => self.pair,
-            (false, true) => other.pair,
-            _ => lower(self.pair, other.pair),
-        };
-        self.classes |= other.classes;
-        self.meets |= other.meets;
-        self.is_rounded |= other.is_rounded;
-        self.undetermined = lower(self.undetermined, other.undetermined);
-        self.lines.iter_mut().zip(&*other.lines).for_each(|(own, other)| *own |= other);
-    }
-
-    /// Whether the solids cross, so that nothing more need be seen.
-    #[must_use]
-    pub fn is_crossing(&self) -> bool {
-        self.classes == CROSSING
-    }
-
-    fn is_on_line(&self, patch: u32) -> bool {
-        self.lines[patch as usize / 32] >> (patch % 32) & 1 != 0
-    }
-}
 
 /// The query for the relation of two solids, the second posed into the frame of the first.
 ///
@@ -201,6 +132,10 @@ impl<'a> RelationQuery<'a> {
     fn look_from_patches(&self, seen: &mut Seen<'_>) -> u8 {
         let mut doubtful = 0;
         for mesh in 0..2 {
+            // Of a surface and a solid, points of the surface are looked at.
+            if self.is_surface(1 - mesh) {
+                continue;
+            }
             for patch in 0..self.solids[mesh].patches() as u32 {
                 if seen.is_on_line(patch + self.first_patch(mesh)) {
                     continue;
@@ -216,7 +151,7 @@ impl<'a> RelationQuery<'a> {
                     seen.is_rounded = true;
                     continue;
                 };
-                if mesh == 1 && !is_marked && !self.is_exact() {
+                if mesh == 1 && !is_marked && !self.is_surface(1) && !self.is_exact() {
                     let Ok(posed) = own_winding(&self.query, 1, triangle) else {
                         seen.is_rounded = true;
                         continue;
@@ -259,9 +194,12 @@ impl<'a> RelationQuery<'a> {
         if mesh == 0 { 0 } else { self.solids[0].patches() as u32 }
     }
 
-    /// The class of points with these winding numbers.
+    /// The class of points with these winding numbers; of a surface only its own points are looked at.
     fn class(&self, windings: [i32; 2]) -> u8 {
-        let [a, b] = [0, 1].map(|mesh| self.solids[mesh].rule().is_inside(windings[mesh]));
+        let [a, b] = [0, 1].map(|mesh| {
+            let rule = self.solids[mesh].rule();
+            rule == Rule::Surface || rule.is_inside(windings[mesh])
+        });
         match (a, b) {
             (true, true) => BOTH,
             (true, false) => ONLY_A,
@@ -302,7 +240,7 @@ impl<'a> RelationQuery<'a> {
     /// Adds the classes around a point in which the interiors of two triangles cross.
     fn add_crossing<C: Posed>(&self, seen: &mut Seen<'_>, pair: TrianglePair) {
         let mut fronts = [self.front(0, pair.a), self.front(1, pair.b)];
-        if !self.is_exact_or_unknown() {
+        if !self.is_surface(1) && !self.is_exact_or_unknown() {
             let front = own_winding(&self.query, 1, pair.b);
             let Some(front) = front.ok().filter(|_| !self.meets_itself::<C>(pair.b)) else {
                 seen.is_rounded = true;
@@ -380,9 +318,14 @@ impl<'a> RelationQuery<'a> {
                         if mesh == 0 { fan.zip(known) } else { known.zip(fan) }
                     }
                 };
-                match is_whole {
-                    Some((a, b)) => picture.visit_sectors([a, b], |windings| {
-                        seen.classes |= self.class(windings);
+                match is_whole.filter(|_| self.are_surfaces() != [true; 2]) {
+                    Some((a, b)) => picture.visit([a, b], |before, meshes, after| {
+                        let class = self.class(after);
+                        // A part of a surface that lies on the boundary of a solid is neither inside nor outside.
+                        let is_seen = |mesh: usize| meshes[mesh] && self.class(before) == class;
+                        if (0..2).all(|mesh| !self.is_surface(mesh) || is_seen(mesh)) {
+                            seen.classes |= class;
+                        }
                     }),
                     None => {
                         let pair = TrianglePair { a: faces[0], b: faces[1] };
@@ -427,6 +370,15 @@ impl<'a> RelationQuery<'a> {
         [corners[k], corners[(k + 1) % 3]]
     }
 
+    fn is_surface(&self, mesh: usize) -> bool {
+        self.solids[mesh].rule() == Rule::Surface
+    }
+
+    /// Which meshes are surfaces.
+    pub(super) fn are_surfaces(&self) -> [bool; 2] {
+        [0, 1].map(|mesh| self.is_surface(mesh))
+    }
+
     /// Whether a half-edge is the lowest of its edge: the line of an edge is looked at once for each triangle that it meets.
     pub(super) fn is_lowest(&self, mesh: usize, half_edge: u32) -> bool {
         fan(self.solids[mesh].next(), half_edge).all(|other| half_edge <= other)
@@ -464,18 +416,6 @@ impl<'a> RelationQuery<'a> {
 
 fn half_plane<C>(point: [C; 3], mesh: usize, is_forward: bool) -> HalfPlane<C> {
     HalfPlane { point, mesh, step: if is_forward { -1 } else { 1 } }
-}
-
-/// The relation of solids of which points of these classes occur.
-fn relation_of(classes: u8, meets: bool) -> Relation {
-    match (classes & BOTH != 0, classes & ONLY_A != 0, classes & ONLY_B != 0) {
-        (false, ..) if meets => Relation::Touching,
-        (false, ..) => Relation::Apart,
-        (true, true, true) => Relation::Crossing,
-        (true, true, false) => Relation::BInA,
-        (true, false, true) => Relation::AInB,
-        (true, false, false) => Relation::Equal,
-    }
 }
 
 /// Whether the interiors of two triangles that intersect cross: each reaches beyond the plane of the other on both sides, and on the

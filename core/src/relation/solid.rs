@@ -13,6 +13,12 @@ pub enum Rule {
     /// Points from which a ray leaves through an odd number of triangles: edges have an even number of triangles, not all
     /// oriented alike.
     Odd,
+    /// No point is inside: the mesh is a surface, and may be open.
+    Surface,
+}
+
+impl Rule {
+    const ALL: [Self; 3] = [Self::NonZero, Self::Odd, Self::Surface];
 }
 
 /// Why a mesh is no solid.
@@ -36,6 +42,9 @@ pub enum NotSolid {
     /// There is no interior: all triangles cancel each other, or there are none.
     #[error("the mesh has no volume")]
     NoVolume,
+    /// There is no surface: no triangle has an area.
+    #[error("no triangle of the mesh has an area")]
+    NoArea,
     /// A buffer is too small.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
@@ -113,7 +122,7 @@ impl<'a> Solid<'a> {
     /// The rule for its interior.
     #[must_use]
     pub fn rule(&self) -> Rule {
-        if self.words[1] == 0 { Rule::NonZero } else { Rule::Odd }
+        Rule::ALL[self.words[1].min(2) as usize]
     }
 
     /// The number of patches.
@@ -183,6 +192,7 @@ impl Rule {
         match self {
             Self::NonZero => winding != 0,
             Self::Odd => winding & 1 != 0,
+            Self::Surface => false,
         }
     }
 }

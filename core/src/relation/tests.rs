@@ -11,6 +11,8 @@ use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded, seq::SliceRandom};
 use pfront_testkit::solids::{Truth, is_inside, map, mapped, pair, truth};
 use std::vec;
 
+mod surface;
+
 /// How many pairs a test asks about: `PFRONT_RELATION_PAIRS` of them, or few.
 fn rounds(few: usize) -> usize {
     if cfg!(miri) { 3 } else { asked("PFRONT_RELATION_PAIRS").unwrap_or(few) }

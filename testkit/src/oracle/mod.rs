@@ -13,6 +13,7 @@ mod lattice;
 mod meet;
 mod mesh;
 mod segment;
+mod volume;
 
 pub use crossing::crossing_points;
 pub use distance::{within, within_each};
@@ -20,6 +21,7 @@ pub use lattice::Coordinate;
 pub use meet::{Meet, OnLattice, meet};
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
 pub use segment::first_parameter;
+pub use volume::overlap_volume;
 
 use lattice::{Integer, Vector, cross, dot, minus, times};
 
