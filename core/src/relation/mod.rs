@@ -23,8 +23,8 @@
 //! oriented alike, with an odd one: see [`Rule`].
 //!
 //! A mesh may also be a surface, open or not, without an interior ([`Solid::surface`]). Then the points that are looked at are its own:
-//! those inside the other solid count as in both, those outside as only in the first; and those on its boundary as neither. What a
-//! surface and a solid can be is apart, touching, crossing, or the surface inside the solid. Nothing hangs on a surface that meets itself,
+//! those inside the other solid count as in both, those outside as only in the first; and those on its boundary as neither. A surface
+//! is apart from a solid, touches it, crosses it, or is inside. Nothing hangs on a surface that meets itself,
 //! since nothing is asked of its sides. Two surfaces cross if two of their triangles do in their interiors; what they are where
 //! they meet along edges alone is undetermined.
 

@@ -132,7 +132,7 @@ impl<'a> RelationQuery<'a> {
     fn look_from_patches(&self, seen: &mut Seen<'_>) -> u8 {
         let mut doubtful = 0;
         for mesh in 0..2 {
-            // Of a surface and a solid, points of the surface are looked at.
+            // Points of the surface are looked at, if one of both is a surface.
             if self.is_surface(1 - mesh) {
                 continue;
             }
@@ -374,7 +374,7 @@ impl<'a> RelationQuery<'a> {
         self.solids[mesh].rule() == Rule::Surface
     }
 
-    /// Which meshes are surfaces.
+    /// Whether each mesh is a surface.
     pub(super) fn are_surfaces(&self) -> [bool; 2] {
         [0, 1].map(|mesh| self.is_surface(mesh))
     }

@@ -9,7 +9,7 @@ type Rational = Ratio<BigInt>;
 
 type Point2 = [Rational; 2];
 
-/// What is below a triangle: its shadow on the plane of the first two axes, counter-clockwise, and its height over that,
+/// The space below a triangle: its shadow on the plane of the first two axes, counter-clockwise, and its height over that,
 /// `[x, y, 1]` times these.
 struct Prism {
     shadow: Vec<Point2>,

@@ -13,7 +13,7 @@ fn with_surface<R>(mesh: Mesh<'_>, then: impl FnOnce(Solid<'_>) -> R) -> R {
     with_bvh(mesh, |bvh| then(Solid::surface(bvh, &mut words, &mut scratch).unwrap()))
 }
 
-/// What a query says, which two workers say too.
+/// The answer of a query, which two workers give too.
 fn answer(a: &Solid<'_>, b: &Solid<'_>, pose: Pose) -> Between {
     let query = RelationQuery::new(a, b, pose).unwrap();
     let found = query.relation(&mut vec![0; seen_bound(query.patches())]).unwrap();
@@ -21,7 +21,7 @@ fn answer(a: &Solid<'_>, b: &Solid<'_>, pose: Pose) -> Between {
     found
 }
 
-/// What the unit squares of some sides are to a set of cells, each side two triangles.
+/// The relation of the unit squares of some sides to a set of cells, each side two triangles.
 fn truth_of_sides(sides: &MeshData, cells: &Cells) -> (Relation, bool) {
     let (mut inside, mut outside, mut meets) = (false, false, false);
     for side in sides.triangles.chunks(2) {
