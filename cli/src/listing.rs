@@ -52,6 +52,11 @@ impl FileRow {
 }
 
 impl<'f> Origin<'f> {
+    /// The face of a triangle in its file.
+    pub(crate) fn face(&self, triangle: u32) -> u32 {
+        self.source.face(self.in_file(triangle))
+    }
+
     /// The number of a triangle in its file.
     fn in_file(&self, triangle: u32) -> u32 {
         self.triangles.as_ref().map_or(triangle, |triangles| triangles[triangle as usize])

@@ -3,7 +3,7 @@
 use super::scene::{Part, body_name, split};
 use super::{check_files, read};
 use crate::args::Check;
-use crate::listing::{HIT, PLAIN, count, posed};
+use crate::listing::{HIT, Origin, PLAIN, count, posed};
 use crate::progress::shown;
 use anyhow::{Context, Result, ensure};
 use pfront::{Allowed, BodyId, CheckReport, CheckedPair, ContactSize, Pose, Relation, SceneQuery};
@@ -21,24 +21,28 @@ use wildmatch::WildMatch;
 /// Names of bodies by their ids.
 type Names = BTreeMap<BodyId, String>;
 
+/// Where the triangles of bodies come from.
+type Origins<'f> = BTreeMap<BodyId, Origin<'f>>;
+
 pub(crate) fn run(asked: &Check) -> Result<bool> {
     let Check { meshes, ignore, reading, executor, .. } = asked;
     let picture = asked.picture.as_deref();
     check_files(&meshes.iter().map(PathBuf::as_path).collect::<Vec<_>>(), picture)?;
     let mut scene = SceneQuery::new().on(&executor.open()?);
     scene.within(asked.clearance.unwrap_or(0.0))?;
-    let (mut parts, (of_files, distance)) = (Vec::new(), reading.bodies_apart());
+    let (mut parts, mut sources) = (Vec::new(), Vec::new());
+    let (of_files, distance) = reading.bodies_apart();
     for (file, path) in meshes.iter().enumerate() {
         let loaded = shown(format!("reading {}", path.display()), || read(path, &of_files))?;
-        split(loaded, path, body_name(path, meshes), file, distance, &mut parts)?;
+        sources.push(split(loaded, path, body_name(path, meshes), file, distance, &mut parts)?);
     }
     name_apart(parts.iter_mut().map(|part| &mut part.name));
-    let mut names = Names::new();
-    let mut triangles = BTreeMap::new();
-    for Part { name, model, .. } in parts {
+    let (mut names, mut origins, mut counts) = (Names::new(), Origins::new(), BTreeMap::new());
+    for Part { name, model, file, triangles } in parts {
         let count = model.mesh().triangles().len();
         let id = scene.add(Arc::new(model), Pose::IDENTITY).with_context(|| name.clone())?;
-        triangles.insert(id, count);
+        counts.insert(id, count);
+        origins.insert(id, Origin { name: name.clone(), source: &sources[file], triangles });
         names.insert(id, name);
     }
     for two in ignore.chunks_exact(2) {
@@ -66,7 +70,7 @@ pub(crate) fn run(asked: &Check) -> Result<bool> {
         shown("drawing".to_owned(), || draw(&mut scene, &report, path))?;
     }
     match (asked.json, asked.csv) {
-        (true, _) => write_json(&mut out(), &as_json(&report, &names, &triangles))?,
+        (true, _) => write_json(&mut out(), &as_json(&report, &names, &counts, &origins))?,
         (_, true) => write_csv(&report, &names)?,
         _ => write_text(&report, &names)?,
     }
@@ -98,7 +102,7 @@ fn word(pair: &CheckedPair) -> &'static str {
 }
 
 /// A pair as JSON; what was not asked is not there.
-fn pair_json(pair: &CheckedPair, names: &Names) -> Value {
+fn pair_json(pair: &CheckedPair, names: &Names, origins: &Origins<'_>) -> Value {
     let mut object = Map::new();
     let mut add = |name: &str, value: Value| object.insert(name.to_owned(), value);
     add("a", json!(names[&pair.bodies[0]]));
@@ -125,12 +129,19 @@ fn pair_json(pair: &CheckedPair, names: &Names) -> Value {
         add("place", json!(place));
     }
     if let Some(triangles) = pair.pair {
-        add("triangles", json!([triangles.a, triangles.b]));
+        let both = [triangles.a, triangles.b];
+        add("triangles", json!(both));
+        add("faces", json!([0, 1].map(|k| origins[&pair.bodies[k]].face(both[k]))));
     }
     Value::Object(object)
 }
 
-fn as_json(report: &CheckReport, names: &Names, triangles: &BTreeMap<BodyId, usize>) -> Value {
+fn as_json(
+    report: &CheckReport,
+    names: &Names,
+    triangles: &BTreeMap<BodyId, usize>,
+    origins: &Origins<'_>,
+) -> Value {
     let body = |(id, name): (&BodyId, &String)| {
         let refused = report.refused.iter().find(|(other, _)| other == id);
         let mut object = json!({ "name": name, "triangles": triangles[id] });
@@ -144,7 +155,7 @@ fn as_json(report: &CheckReport, names: &Names, triangles: &BTreeMap<BodyId, usi
     json!({
         "version": VERSION,
         "bodies": names.iter().map(body).collect::<Vec<_>>(),
-        "pairs": report.pairs.iter().map(|pair| pair_json(pair, names)).collect::<Vec<_>>(),
+        "pairs": report.pairs.iter().map(|pair| pair_json(pair, names, origins)).collect::<Vec<_>>(),
         "counts": counts,
         "allowed": report.is_allowed(),
     })

@@ -18,8 +18,8 @@ pub(super) struct Part {
     pub(super) name: String,
     pub(super) model: Model,
     /// Number of its file, and its triangles there, unless it has all.
-    file: usize,
-    triangles: Option<Vec<u32>>,
+    pub(super) file: usize,
+    pub(super) triangles: Option<Vec<u32>>,
 }
 
 pub(crate) fn run(asked: &Scene) -> Result<bool> {

@@ -67,6 +67,11 @@ fn an_assembly_in_words_and_numbers() {
                 let (low, high) = interval("overlap_volume");
                 assert!(low <= 0.125 && 0.125 <= high && high - low < 1e-9, "{pair}");
                 assert!(pair["place"][0].as_f64().unwrap() >= 3.5, "{pair}");
+                // A face of the file is two triangles.
+                for k in 0..2 {
+                    let number = |name: &str| pair[name][k].as_u64().unwrap();
+                    assert_eq!(number("faces"), number("triangles") / 2, "{pair}");
+                }
                 assert!(pair.get("gap").is_none());
             }
             "near.obj" => {
