@@ -18,6 +18,7 @@ struct Subject {
     levels: u32,
     seeds: [u32; 2],
     certify: u32,
+    is_direct: bool,
     verb: GpuVerb,
 }
 
@@ -34,7 +35,8 @@ pub(crate) struct Ahead {
 impl Subject {
     fn new(engine: &Engine, task: &Task, verb: GpuVerb) -> Self {
         let Query { seeds, certify, .. } = task.query;
-        Self { bound: engine.bound(), levels: task.levels_below_seeds, seeds, certify, verb }
+        let (bound, is_direct) = (engine.bound(), engine.is_direct(task));
+        Self { bound, levels: task.levels_below_seeds, seeds, certify, is_direct, verb }
     }
 }
 

@@ -45,6 +45,8 @@ pub(crate) struct Engine {
     pub(crate) read_back: ReadBack,
     /// If times are wanted.
     pub(crate) clock: Option<Clock>,
+    /// Two models of which f32 left few pairs open in the last question: the next about them is asked without `decide`.
+    pub(crate) few_open: Option<[u64; 2]>,
     /// The wear of the models that are bound.
     pub(crate) wear: Option<[Arc<Wear>; 2]>,
     /// Ends a question early once it is set.
@@ -76,6 +78,7 @@ impl Engine {
             staging: Staging::default(),
             read_back: ReadBack::new(gpu)?,
             clock: None,
+            few_open: None,
             wear: None,
             cancel: None,
             lists,
@@ -135,6 +138,12 @@ impl Engine {
     /// The ids of what is bound.
     pub(crate) fn bound(&self) -> [u64; 2] {
         self.meshes.as_ref().map_or([u64::MAX; 2], |meshes| meshes.ids)
+    }
+
+    /// Whether a question for all pairs or their number is asked without `decide`.
+    pub(crate) fn is_direct(&self, task: &Task) -> bool {
+        let Query { certify, within, .. } = task.query;
+        self.few_open == Some(self.bound()) && certify == 0 && within == 0
     }
 
     /// The same for buffers by their names in the shaders, of which these ids are the only ones.
@@ -251,6 +260,7 @@ impl Engine {
     /// | two trees: `seed` | `expand` for each further front | `narrow`, `decide` |
     /// | a front of node pairs or of bodies: `expand` | the same | the same |
     /// | a front under [`GpuVerb::AnyEach`]: `dive`, `decide` | the same | the same |
+    /// | two meshes of which f32 left few pairs open before | the same | `narrow`, which writes results itself |
     ///
     /// A list of few hits is put in order by `order`, of many by `sample`, `deal` and `settle`.
     fn dispatch(
@@ -262,6 +272,7 @@ impl Engine {
         verb: Option<(GpuVerb, Order)>,
     ) {
         let (verb, order) = verb.unzip();
+        let is_direct = self.is_direct(task) && matches!(verb, Some(GpuVerb::All | GpuVerb::Count));
         let Self { gpu, descent, certifying, groups, workgroups, clock, .. } = self;
         let (narrow, decide) = match certifying.as_ref().filter(|_| task.query.certify != 0) {
             Some(passes) => (&passes.narrow, &passes.certify),
@@ -290,8 +301,15 @@ impl Engine {
                 }
             }
         }
-        dispatches.add(narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
-        dispatches.add(decide, &of_decide, *workgroups);
+        match (&descent.direct, &meshes.direct, &lists.direct) {
+            (Some(pass), Some(meshes), Some(lists)) if is_direct => {
+                dispatches.add(pass, &[meshes, lists], *workgroups);
+            }
+            _ => {
+                dispatches.add(narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+                dispatches.add(decide, &of_decide, *workgroups);
+            }
+        }
         match order {
             None | Some(Order::None) => {}
             Some(Order::Few) => {

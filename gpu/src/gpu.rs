@@ -7,7 +7,7 @@ use crate::totals::Totals;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
     CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
-    NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
+    NARROW_DIRECT, NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -68,6 +68,8 @@ pub(crate) struct Descent {
     pub(crate) expand: Pass,
     pub(crate) narrow: Pass,
     pub(crate) decide: Pass,
+    /// In place of `narrow` and `decide` where f32 leaves few pairs of two meshes open.
+    pub(crate) direct: Option<Pass>,
 }
 
 /// The passes in place of two of [`Descent`] where the host decides what f32 leaves open: about shadows of meshes in f64, and pairs
@@ -83,9 +85,12 @@ impl Descent {
         device: &Device,
         target: Target,
         passes: [&pfront_shaders::Pass; 4],
+        direct: Option<&pfront_shaders::Pass>,
     ) -> Result<Arc<Self>, GpuError> {
         let [first, expand, narrow, decide] = passes.map(|pass| Pass::new(device, pass, target));
-        Ok(Arc::new(Self { first: first?, expand: expand?, narrow: narrow?, decide: decide? }))
+        let direct = direct.map(|pass| Pass::new(device, pass, target)).transpose()?;
+        let (first, expand, narrow, decide) = (first?, expand?, narrow?, decide?);
+        Ok(Arc::new(Self { first, expand, narrow, decide, direct }))
     }
 }
 
@@ -149,7 +154,12 @@ impl Gpu {
     ) -> Result<Self, GpuError> {
         let pass = |pass| Pass::new(&device, pass, target);
         let passes = Passes {
-            meshes: Descent::new(&device, target, [&SEED, &EXPAND, &NARROW, &DECIDE])?,
+            meshes: Descent::new(
+                &device,
+                target,
+                [&SEED, &EXPAND, &NARROW, &DECIDE],
+                Some(&NARROW_DIRECT),
+            )?,
             order: pass(&ORDER)?,
             sample: pass(&SAMPLE)?,
             deal: pass(&DEAL)?,
@@ -252,7 +262,7 @@ impl Gpu {
     pub(crate) fn instances(&self) -> Result<Arc<Descent>, GpuError> {
         let compile = || {
             let passes = [&DIVE, &EXPAND_INSTANCES, &NARROW_INSTANCES, &DECIDE_INSTANCES];
-            let passes = Descent::new(self.device(), self.shared.target, passes)?;
+            let passes = Descent::new(self.device(), self.shared.target, passes, None)?;
             self.check().map(|()| passes)
         };
         self.shared.instances.get_or_init(compile).clone()

@@ -21,6 +21,7 @@ pub(crate) struct EachPass {
     pub(crate) expand: BindGroup,
     pub(crate) narrow: BindGroup,
     pub(crate) decide: BindGroup,
+    pub(crate) direct: Option<BindGroup>,
 }
 
 impl EachPass {
@@ -33,6 +34,7 @@ impl EachPass {
             expand: bind(&passes.expand)?,
             narrow: bind(&passes.narrow)?,
             decide: bind(&passes.decide)?,
+            direct: passes.direct.as_ref().map(bind).transpose()?,
         })
     }
 }

@@ -36,8 +36,9 @@ impl GpuReport {
         for (most, now) in [
             (&mut self.longest_front, counters.longest_front()),
             (&mut self.leaf_pairs, counters.leaves),
-            (&mut self.triangle_pairs, counters.kept),
-            (&mut self.open, counters.open),
+            // Without `decide`, those that are left are the results.
+            (&mut self.triangle_pairs, counters.kept.max(counters.hits + counters.rest)),
+            (&mut self.open, counters.open.max(counters.rest)),
             (&mut self.on_cpu, counters.rest),
         ] {
             *most = now.max(*most);

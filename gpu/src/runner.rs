@@ -19,11 +19,15 @@ use crate::{GpuError, GpuReport, totals, wear};
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
-use pfront_shaders::constants::{HIT_OVERFLOW, LEAF};
+use pfront_shaders::constants::{HIT_OVERFLOW, LEAF, REST_OVERFLOW};
 use wgpu::CommandEncoder;
 
 /// A front this long is split rather than refined. Its children fit in the least front.
 const LONG: usize = 64;
+
+/// As many triangle pairs are decided on the CPU in the time that the device takes for a dispatch that finds little to do: some
+/// microseconds.
+const FEW_OPEN: u32 = 64;
 
 /// An engine, the runs that it answers in, and the answer so far.
 #[derive(Debug)]
@@ -239,6 +243,13 @@ impl Runner {
                 GpuVerb::Any if hits > 0 => 0,
                 GpuVerb::Any | GpuVerb::Count | GpuVerb::CountEach => overflow & !HIT_OVERFLOW,
             };
+            if refused & REST_OVERFLOW != 0 && self.engine.is_direct(task) {
+                // This pose is not like the one before.
+                self.engine.few_open = None;
+                self.pairs.truncate(before);
+                run = self.run(task, Start::Front(&part), verb)?;
+                continue;
+            }
             if refused != 0 {
                 self.pairs.truncate(before);
                 waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
@@ -278,6 +289,10 @@ impl Runner {
         totals::add(&self.engine.gpu.counted().box_tests, self.report.box_tests);
         if let Some(wear) = &self.engine.wear {
             wear::add(wear, self.report.box_tests);
+        }
+        if matches!(verb, GpuVerb::All | GpuVerb::Count) {
+            let is_open = self.report.runs > 1 || self.report.open > FEW_OPEN;
+            self.engine.few_open = (!is_open).then_some(self.engine.bound());
         }
         if verb != GpuVerb::Any {
             let parts: Vec<_> = answered.into_iter().rev().map(|(part, _)| part).collect();

@@ -48,7 +48,7 @@ constants! {
     /// Triangle pairs that a workgroup so decides at once.
     TEAMS = GROUP / TEAM;
     /// Triangle pairs that a workgroup gathers before it writes them out.
-    RESULTS = 512;
+    RESULTS = 2 * GROUP;
     /// Buckets of the sort of the hits.
     BUCKETS = 1024;
     /// Hits of the sample for each bucket, where the largest bucket might not have room else.

@@ -49,6 +49,7 @@ texts! {
     COUNTING = "parts/counting";
     CUTS = "parts/cuts";
     DESCEND = "parts/descend";
+    DIRECT = "parts/direct";
     EXACT = "parts/exact";
     EXTENT = "parts/extent";
     FILTER = "parts/filter";
@@ -73,6 +74,7 @@ texts! {
     SOFT = "parts/soft";
     SORTING = "parts/sorting";
     SOURCE = "parts/source";
+    STAYING = "parts/staying";
     TALLIES = "parts/tallies";
     TRIANGLES = "parts/triangles";
     UNTALLIED = "parts/untallied";
@@ -99,7 +101,13 @@ pub const EXPAND: Pass =
 /// The triangle pairs of leaf pairs that meet, and those that are left open.
 pub const NARROW: Pass = pass!(
     "narrow", LAYOUT, BINDINGS, MESHES, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES,
-    SHARING, SIGNS, FILTER
+    SHARING, SIGNS, FILTER, STAYING
+);
+
+/// [`NARROW`] where the host decides the few pairs of two meshes that f32 leaves open, so that nothing is left for [`DECIDE`].
+pub const NARROW_DIRECT: Pass = pass!(
+    "narrow", LAYOUT, BINDINGS, MESHES, UNTALLIED, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE,
+    TRIANGLES, SHARING, SIGNS, FILTER, RESULTS, DIRECT
 );
 
 /// Triangle pairs decided: in f32, and in integers where that leaves them open.
@@ -127,7 +135,7 @@ pub const EXPAND_INSTANCES: Pass =
 /// [`NARROW`] over pairs of instances.
 pub const NARROW_INSTANCES: Pass = pass!(
     "narrow", LAYOUT, BINDINGS, INSTANCES, NOTHING, GROUP, BOXES, PLACE, SOFT, WIDE, TRIANGLES,
-    SHARING, SIGNS, FILTER
+    SHARING, SIGNS, FILTER, STAYING
 );
 
 /// [`DECIDE`] over pairs of instances.
@@ -179,10 +187,11 @@ pub const FIT: Pass = pass!("fit", LAYOUT, BALANCED, ORDERED, SOURCE, FITTED);
 pub const PROBE: Pass = pass!("probe", NOTHING, PLACE, SOFT, WIDE);
 
 /// Every pass.
-pub const PASSES: [Pass; 23] = [
+pub const PASSES: [Pass; 24] = [
     SEED,
     EXPAND,
     NARROW,
+    NARROW_DIRECT,
     DECIDE,
     CERTIFY,
     DIVE,

@@ -133,6 +133,34 @@ fn nothing_and_nearly_nothing() {
     ));
 }
 
+/// Meshes of which f32 left few pairs open are asked about without `decide`, until a pose leaves many.
+#[test]
+fn few_open_pairs_are_left_to_the_cpu() {
+    let (flat, waves) =
+        (both(&sheet(24, |_, _| 0.0)), both(&sheet(24, |x, y| 0.3 * (x * y).sin())));
+    let tilted = Pose::from_rotation_translation([0.6, 0.0, 0.0, 0.8], [0.1, 0.2, 0.3]);
+    for budget in [Budget::LEAST, Budget { bytes: 16 << 20 }] {
+        let settings = GpuSettings { budget, ..gpu().settings() };
+        let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+        let mut ask = |other: &Both, pose: &Pose| {
+            let question = GpuQuestion::pair(&flat.model, &other.model, pose);
+            let truth = truth(&flat, other, pose);
+            assert_eq!(query.all(&question).unwrap(), truth, "{budget:?}");
+            assert_eq!(query.count(&question).unwrap(), truth.len() as u64, "{budget:?}");
+            query.report()
+        };
+        assert!(ask(&waves, &tilted).triangle_pairs > 0);
+        let report = ask(&waves, &tilted);
+        assert!(report.on_cpu == report.open && report.open <= 64, "{report:?}");
+        // Nearly all pairs are coplanar, and more than the least lists for the CPU hold.
+        ask(&flat, &tilted);
+        let report = ask(&flat, &Pose::IDENTITY);
+        assert!(report.open > 500 && report.on_cpu == 0, "{report:?}");
+        ask(&flat, &tilted);
+        ask(&waves, &tilted);
+    }
+}
+
 #[test]
 fn every_depth_bound_and_budget_gives_the_same_list() {
     let knot = Scene::by_name("torus-knots", Some(6_000)).unwrap();

@@ -137,8 +137,8 @@ fn middle(mut frames: Vec<Row>) -> Row {
     })
 }
 
-/// A row for each pass of a GPU about two objects, the median over frames, and one for the wait of the host without
-/// timestamps. Each timestamp takes some microseconds itself.
+/// A row for each pass of a GPU about two objects, the median over frames; one for the wait of the host without timestamps, and one for
+/// all passes of a count together. Each timestamp takes some microseconds itself.
 fn passes(asked: &Profile, scene: &str, gpu: &Gpu, out: &mut impl Write) -> Result<()> {
     let (header, mut recording) = Recording::open(scene, asked.size, asked.frames)?;
     let objects = Objects::new(header)?;
@@ -147,6 +147,7 @@ fn passes(asked: &Profile, scene: &str, gpu: &Gpu, out: &mut impl Write) -> Resu
     };
     let (a, b) = (GpuModel::new(gpu, a.bvh())?, GpuModel::new(gpu, b.bvh())?);
     let (mut timed, mut query) = (GpuQuery::new(gpu)?.with_timings()?, GpuQuery::new(gpu)?);
+    let (mut whole, mut counts) = (GpuQuery::new(gpu)?.with_time()?, Vec::new());
     let (mut times, mut waits) = (BTreeMap::<(usize, &str), Vec<f64>>::new(), Vec::new());
     while let Some(Frame::Poses(poses)) = recording.next_frame()? {
         let question = GpuQuestion::pair(&a, &b, &poses[1]);
@@ -158,6 +159,8 @@ fn passes(asked: &Profile, scene: &str, gpu: &Gpu, out: &mut impl Write) -> Resu
         for (place, &Timing { pass, time, .. }) in timed.timings()?.iter().enumerate() {
             times.entry((place, pass)).or_default().push(1e3 * time.as_secs_f64());
         }
+        whole.count(&question)?;
+        counts.push(whole.timings()?.iter().map(|timing| 1e3 * timing.time.as_secs_f64()).sum());
         let clock = Instant::now();
         let found = query.all(&question)?;
         waits.push(1e3 * clock.elapsed().as_secs_f64());
@@ -165,6 +168,7 @@ fn passes(asked: &Profile, scene: &str, gpu: &Gpu, out: &mut impl Write) -> Resu
     }
     let name = adapter_name(&gpu.device().adapter_info());
     writeln!(out, " GPU{:>9}{:>9.3} {name}", "frame", median(&mut waits))?;
+    writeln!(out, " GPU{:>9}{:>9.3}", "count", median(&mut counts))?;
     for ((_, pass), mut times) in times {
         writeln!(out, " GPU{pass:>9}{:>9.3}", median(&mut times))?;
     }

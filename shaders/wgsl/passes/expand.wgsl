@@ -12,9 +12,9 @@ fn expand(
         told = select(held, 0u, is_answered());
     }
     let length = workgroupUniformLoad(&told);
-    // A workgroup that takes any takes enough for all of its invocations, but for the front that a run starts from: most of
-    // what is below is still to come.
-    let takers = select(clamp(length / BEAM, 1u, groups.x), groups.x, step.pass_index == 0u);
+    // A workgroup that takes any takes so many that two levels below there can be one for each of its invocations, but for the
+    // front that a run starts from: most of what is below is still to come.
+    let takers = select(clamp(16u * length / GROUP, 1u, groups.x), groups.x, step.pass_index == 0u);
     let mine = share(length, group.x, takers);
     var rounds = 0u;
     for (var done = 0u; done < mine; done += CHUNK) {

@@ -1,4 +1,4 @@
-// Reads leaf pairs, writes the triangle pairs that meet, and those that are left open.
+// Reads leaf pairs, passes on the triangle pairs that meet, and those that are left open.
 //
 // Two kinds of work take turns: finding triangle pairs whose boxes overlap, and dropping those that a plane separates, or
 // that f32 tells apart if they have no corner in common. Pairs wait in workgroup memory until there is one for every
@@ -6,8 +6,6 @@
 
 var<workgroup> waiting: array<vec2u, WAITING>;
 var<workgroup> waiting_count: atomic<u32>;
-var<workgroup> stay: array<vec2u, STAY>;
-var<workgroup> stay_count: atomic<u32>;
 
 @compute @workgroup_size(GROUP)
 fn narrow(
@@ -18,11 +16,11 @@ fn narrow(
     nothing = group.z;
     if lane == 0u {
         atomicStore(&waiting_count, 0u);
-        atomicStore(&stay_count, 0u);
         let held = min(atomicLoad(&counters.leaves), query.leaf_capacity);
         told = select(held, 0u, is_answered());
     }
     let length = workgroupUniformLoad(&told);
+    clear_outcomes(lane);
     // An invocation takes one triangle of the first leaf against all of the second.
     let batch = max(GROUP / query.leaf_size, 1u);
     var next = group.x * batch;
@@ -49,34 +47,12 @@ fn narrow(
             if lane == 0u {
                 atomicStore(&waiting_count, ready - taken);
             }
-            write_staying(lane, STAY - GROUP);
+            make_room_for_outcomes(lane);
         } else {
             break;
         }
     }
-    write_staying(lane, 0u);
-}
-
-// Writes what stays if it is more than this; after a barrier.
-fn write_staying(lane: u32, most: u32) {
-    let count = tell(lane, atomicLoad(&stay_count));
-    if count <= most {
-        return;
-    }
-    var base = 0u;
-    if lane == 0u {
-        base = atomicAdd(&counters.kept, count);
-        atomicStore(&stay_count, 0u);
-    }
-    base = tell(lane, base);
-    for (var i = lane; i < count; i += GROUP) {
-        if base + i < query.kept_capacity {
-            kept[base + i] = stay[i];
-        } else {
-            overflowed(KEPT_OVERFLOW);
-        }
-    }
-    workgroupBarrier();
+    write_outcomes(lane);
 }
 
 // Finds the triangles of the second leaf whose boxes overlap that of one triangle of the first.
@@ -150,7 +126,7 @@ fn test_planes(slots: vec2u) {
         }
     }
     if outcome != MISS {
-        stay[atomicAdd(&stay_count, 1u)] = slots | vec2u(0u, select(0u, CERTIFIED, outcome == HIT));
+        add_outcome(slots, outcome);
     }
 }
 
