@@ -168,6 +168,8 @@ mod error;
 mod exact;
 pub mod front;
 mod mesh;
+#[cfg(feature = "motion")]
+pub mod motion;
 pub mod one_ring;
 mod parallel;
 pub mod pose;

@@ -26,7 +26,7 @@ mod contact;
 mod coplanar;
 mod in_mesh;
 mod meet;
-#[cfg(feature = "within")]
+#[cfg(any(feature = "within", feature = "motion"))]
 mod nearest;
 mod ratio;
 mod within;
@@ -42,6 +42,8 @@ pub(crate) use in_mesh::intersects_as_in_mesh;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 pub(crate) use meet::meet_of;
 pub use meet::{Meet, Region, meet, meet_f64};
+#[cfg(feature = "motion")]
+pub(crate) use nearest::{Feature, near_points};
 #[cfg(feature = "within")]
 pub(crate) use nearest::{Nearest, UNDERFLOW, nearest};
 #[cfg(feature = "relation")]

@@ -19,24 +19,20 @@ pub(crate) struct Nearest {
     pub(crate) apart: f64,
 }
 
+/// Two features of two triangles: those that have points near each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Feature {
+    /// An edge of each, by its first corner.
+    Edges([usize; 2]),
+    /// The face of the first triangle (0) or the second (1), and a corner of the other.
+    Face { of: usize, corner: usize },
+}
+
 /// Near points of two triangles whose corners are in range: those of an edge of each, or of a corner and the other triangle.
 pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
     let origin = DVec3::from_array(a[0]);
     let [a, b] = [a, b].map(|t| t.map(|p| DVec3::from_array(p) - origin));
-    let mut best = [a[0], b[0]];
-    let mut take = |points: [DVec3; 2]| {
-        let square = |[x, y]: [DVec3; 2]| (y - x).length_squared();
-        if square(points) < square(best) {
-            best = points;
-        }
-    };
-    for (k, l) in (0..9).map(|at| (at / 3, at % 3)) {
-        take(of_edges([a[k], a[(k + 1) % 3]], [b[l], b[(l + 1) % 3]]));
-    }
-    for k in 0..3 {
-        take([a[k], in_face(&b, a[k])]);
-        take([in_face(&a, b[k]), b[k]]);
-    }
+    let (best, _) = near_points([&a, &b], [3; 2]);
     let along = best[1] - best[0];
     let length = along.length();
     let (of_a, of_b) = (a.map(|p| p.dot(along)), b.map(|p| p.dot(along)));
@@ -44,6 +40,36 @@ pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
     let gap = begin - of_a[0].max(of_a[1]).max(of_a[2]);
     let apart = if length > UNDERFLOW { gap / length } else { -1.0 };
     Nearest { points: best.map(|p| p + origin), length, apart }
+}
+
+/// Near points of two triangles, and the features that have them. A segment has its first two corners, and a point the first: they are
+/// one edge, from the first corner to the second.
+#[inline(always)]
+pub(crate) fn near_points([a, b]: [&[DVec3; 3]; 2], corners: [usize; 2]) -> ([DVec3; 2], Feature) {
+    let edges = corners.map(|corners| if corners == 3 { 3 } else { 1 });
+    let (mut best, mut feature) = ([a[0], b[0]], Feature::Edges([0; 2]));
+    let mut least = (best[1] - best[0]).length_squared();
+    let mut take = |points: [DVec3; 2], of: Feature| {
+        let square = (points[1] - points[0]).length_squared();
+        if square < least {
+            (least, best, feature) = (square, points, of);
+        }
+    };
+    for k in 0..edges[0] {
+        for l in 0..edges[1] {
+            let points = of_edges([a[k], a[(k + 1) % 3]], [b[l], b[(l + 1) % 3]]);
+            take(points, Feature::Edges([k, l]));
+        }
+    }
+    for corner in 0..3 {
+        if corners[1] == 3 && corner < corners[0] {
+            take([a[corner], in_face(b, a[corner])], Feature::Face { of: 1, corner });
+        }
+        if corners[0] == 3 && corner < corners[1] {
+            take([in_face(a, b[corner]), b[corner]], Feature::Face { of: 0, corner });
+        }
+    }
+    (best, feature)
 }
 
 /// Near points of two segments (Ericson, *Real-Time Collision Detection*, 5.1.9).

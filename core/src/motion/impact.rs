@@ -1,0 +1,155 @@
+//! When two moving triangles meet first: steps from proof to proof that they are apart, until they are near.
+
+use super::pair::{MovingPair, MovingTriangle};
+use crate::mesh::{MeshError, check_position};
+use crate::triangle::{Feature, intersects_in_f64, near_points};
+use glam::DVec3;
+
+/// When two triangles meet first, as far as it is proven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Impact {
+    /// They do not meet before this time.
+    pub from: f64,
+    /// They certainly meet between `from` and this time. If it is infinite, they come near at `from`, and whether they meet is open.
+    pub to: f64,
+}
+
+impl Impact {
+    /// Whether the triangles certainly meet.
+    #[must_use]
+    pub fn is_proven(self) -> bool {
+        self.to.is_finite()
+    }
+
+    /// Both, as what happens to one pair of meshes or triangles: the first of both times, and the first proof.
+    pub(super) fn first(self, other: Self) -> Self {
+        Self { from: self.from.min(other.from), to: self.to.min(other.to) }
+    }
+}
+
+/// The squared part of their radius within which triangles are near: (2^-30)².
+const NEAR_SQUARE: f64 = 1.0 / 1_152_921_504_606_846_976.0;
+
+/// Steps after which a pair is left open, far more than any takes that comes from a real motion.
+const STEPS: usize = 200;
+
+/// How far the steps lead.
+pub(super) enum Progress {
+    /// To the end: the triangles never meet from the first time on.
+    Apart,
+    /// Up to a time until which they are apart, with the features that are near each other then.
+    Near(f64, Feature),
+}
+
+impl MovingPair {
+    /// Goes from `time`, at which the triangles do not meet, from one certificate that they are apart to the next.
+    #[inline]
+    pub(super) fn part(&self, mut time: f64) -> Progress {
+        let mut feature = Feature::Edges([0; 2]);
+        for _ in 0..STEPS {
+            let corners = self.at(time);
+            let [[a, b, c, d, e, f]] = [corners];
+            let ([x, y], near) = near_points([&[a, b, c], &[d, e, f]], self.corners);
+            feature = near;
+            let along = y - x;
+            if !(along.length_squared() > NEAR_SQUARE * self.radius * self.radius) {
+                break;
+            }
+            let n = normal(&corners, feature);
+            let n = if n.dot(along) < 0.0 { -n } else { n };
+            let mut next = self.advance(time, n);
+            if next < 1.0 {
+                next = next.max(self.advance(time, along));
+            }
+            if next < 1.0 {
+                next = next.max(self.advance_with(time, &corners, feature));
+            }
+            if next >= 1.0 {
+                return Progress::Apart;
+            }
+            if next <= time {
+                break;
+            }
+            time = next;
+        }
+        Progress::Near(time, feature)
+    }
+}
+
+/// The normal of two features.
+#[inline(always)]
+fn normal(corners: &[DVec3; 6], feature: Feature) -> DVec3 {
+    match feature {
+        Feature::Face { of, .. } => {
+            let [p, q, r] = [0, 1, 2].map(|k| corners[3 * of + k]);
+            (q - p).cross(r - p)
+        }
+        Feature::Edges([k, l]) => {
+            let next = |k: usize| if k == 2 { 0 } else { k + 1 };
+            let [g, h] = [(next(k), k), (next(l) + 3, l + 3)].map(|(q, p)| corners[q] - corners[p]);
+            g.cross(h)
+        }
+    }
+}
+
+/// When two triangles meet first whose corners move in straight lines from the start to the end, at the times 0 to 1; `None` if they never
+/// do. A triangle without area is its segment or point.
+///
+/// # Errors
+/// [`MeshError`] names the first of the twelve positions that has a coordinate which is NaN or beyond ±2^125: the corners of `a` at the start
+/// and at the end, then those of `b`.
+///
+/// # Complexity
+/// O(1), no allocation, bounded stack: a bounded number of steps.
+///
+/// # Examples
+/// ```
+/// use pfront_core::motion::impact;
+/// let floor = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let tip = |z| [[1.0, 1.0, z], [1.0, 2.0, z + 3.0], [2.0, 1.0, z + 3.0]];
+/// let found = impact(&[floor; 2], &[tip(1.0), tip(-9.0)])?.expect("it passes the floor");
+/// assert!(found.from <= 0.1 && 0.1 <= found.to && found.to - found.from < 1e-6);
+/// assert_eq!(impact(&[floor; 2], &[tip(1.0), tip(0.5)])?, None);
+/// # Ok::<(), pfront_core::MeshError>(())
+/// ```
+pub fn impact(a: &MovingTriangle, b: &MovingTriangle) -> Result<Option<Impact>, MeshError> {
+    let corners = [a, b].into_iter().flat_map(|t| t.as_flattened());
+    for (corner, p) in corners.enumerate() {
+        check_position(corner, *p)?;
+    }
+    Ok(impact_of(a, b))
+}
+
+/// [`impact`] of coordinates that are in range.
+#[inline]
+pub(super) fn impact_of(a: &MovingTriangle, b: &MovingTriangle) -> Option<Impact> {
+    let pair = MovingPair::new(a, b);
+    match pair.part(0.0) {
+        Progress::Apart => None,
+        Progress::Near(time, feature) => impact_after(a, b, &pair, time, feature),
+    }
+}
+
+/// The impact of two triangles that are apart before `time`, and near then.
+#[inline(never)]
+fn impact_after(
+    a: &MovingTriangle,
+    b: &MovingTriangle,
+    pair: &MovingPair,
+    from: f64,
+    feature: Feature,
+) -> Option<Impact> {
+    // Not even the first certificate held: apart or not at the start, only exact signs tell.
+    if from == 0.0 && intersects_in_f64(&a[0], &b[0]) {
+        return Some(Impact { from, to: 0.0 });
+    }
+    if pair.is_still() && a == &[a[0]; 2] && b == &[b[0]; 2] {
+        return None;
+    }
+    if let Some(to) = pair.certain_meeting(from, feature) {
+        return Some(Impact { from, to });
+    }
+    let meet_at_end = intersects_in_f64(&a[1], &b[1]);
+    Some(Impact { from, to: if meet_at_end { 1.0 } else { f64::INFINITY } })
+}

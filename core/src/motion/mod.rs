@@ -1,0 +1,10 @@
+//! Which triangles meet while both move, and when first.
+//!
+//! TODO
+mod apart;
+mod impact;
+mod meets;
+mod pair;
+
+pub use impact::{Impact, impact};
+pub use pair::MovingTriangle;
