@@ -185,7 +185,7 @@ pub(super) struct Axis<const N: usize> {
 }
 
 impl<const N: usize> Axis<N> {
-    fn new<C: Scalar>(coordinates: [C; N]) -> Self {
+    pub(super) fn new<C: Scalar>(coordinates: [C; N]) -> Self {
         let finest = coordinates.iter().filter_map(finest_bit).min().unwrap_or(0);
         Self::in_units(coordinates, finest)
     }

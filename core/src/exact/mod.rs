@@ -17,6 +17,8 @@ mod exact64;
 pub(crate) mod filter32;
 pub(crate) mod filter64;
 pub(crate) mod integer;
+#[cfg(feature = "motion")]
+pub(crate) mod motion;
 pub(crate) mod orientation;
 mod wide;
 

@@ -1,6 +1,7 @@
 //! When two moving triangles meet first: steps from proof to proof that they are apart, until they are near.
 
 use super::pair::{MovingPair, MovingTriangle};
+use crate::exact::motion::{Question, Verdict};
 use crate::mesh::{MeshError, check_position};
 use crate::triangle::{Feature, intersects_in_f64, near_points};
 use glam::DVec3;
@@ -150,6 +151,13 @@ fn impact_after(
     if let Some(to) = pair.certain_meeting(from, feature) {
         return Some(Impact { from, to });
     }
-    let meet_at_end = intersects_in_f64(&a[1], &b[1]);
-    Some(Impact { from, to: if meet_at_end { 1.0 } else { f64::INFINITY } })
+    let resume = |time: f64| match pair.part(time) {
+        Progress::Apart => 1.0,
+        Progress::Near(time, _) => time,
+    };
+    let corners = [&a[0], &a[1], &b[0], &b[1]];
+    let verdict = Question { corners, count: pair.corners, from, resume: &resume }.answer();
+    let Verdict::Near { from, to } = verdict else { return None };
+    let meet_at_end = to.is_infinite() && intersects_in_f64(&a[1], &b[1]);
+    Some(Impact { from, to: if meet_at_end { 1.0 } else { to } })
 }

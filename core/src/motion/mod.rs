@@ -5,6 +5,8 @@ mod apart;
 mod impact;
 mod meets;
 mod pair;
+#[cfg(test)]
+mod tests;
 
 pub use impact::{Impact, impact};
 pub use pair::MovingTriangle;

@@ -2,8 +2,10 @@
 
 mod in_f64;
 mod make;
+mod motion;
 
 pub use in_f64::{InF64, Triangle64};
+pub use motion::MotionFamily;
 
 use crate::{Point, Triangle};
 use rand::{Rng, RngExt};

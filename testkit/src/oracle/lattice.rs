@@ -105,7 +105,7 @@ fn axes<C: Coordinate>(a: &[[C; 3]], b: &[[C; 3]]) -> [Axis; 3] {
 }
 
 /// The odd integer m (or 0) and the exponent e of x = m · 2^e.
-fn decode(x: impl Coordinate) -> (i64, i32) {
+pub(super) fn decode(x: impl Coordinate) -> (i64, i32) {
     let (mantissa, exponent, sign) = x.integer_decode();
     let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
     ((mantissa >> zeros) as i64 * i64::from(sign), i32::from(exponent) + zeros as i32)

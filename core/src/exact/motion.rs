@@ -1,0 +1,369 @@
+//! Whether two moving triangles meet, interval of time by interval, in integers: exact for any coordinates that fit.
+//!
+//! Time is cut into intervals whose ends are multiples of a power of two. Multiplied by it, the corners at both ends of one are integers. In one
+//! interval triangles are certainly
+//!
+//! - apart if a direction separates them at both ends: the heights of one above the other are linear in time. Directions are differences
+//!   of two corners, or of a corner and its foot on an edge, in the middle of the interval;
+//! - apart if the normal of a face or of two edges, which moves with these, separates them: heights are cubics of time, positive where their
+//!   Bernstein coefficients are not negative and those at the ends positive;
+//! - meeting if such a cubic has no strict sign at both ends, and the corner is in the face, or both edges cross, all through the interval, seen
+//!   along an axis along which the face, or the plane of both edges, is never seen edge-on: turns are quadratics of time.
+//!
+//! Triangles that are apart have a shortest connection at each time, between two of these features, and its direction separates them with room
+//! to spare; so for short enough intervals one of the first two holds, since both depend continuously on the interval. Of triangles that
+//! meet, only those are left open that touch and do not pass, or move in one plane for ever.
+//!
+//! Scaling an axis changes neither, hence each axis has a unit of its own.
+
+use super::integer::Axis;
+use super::wide::Wide;
+
+/// Limbs for coordinates of up to 68 bits: those of most meshes are shorter.
+const LIMBS: usize = 8;
+
+/// Limbs for coordinates of up to 164 bits.
+const MORE_LIMBS: usize = 14;
+
+/// Limbs for any f32, whose coordinates have up to 278 bits. Of f64 with more than 356 bits nothing is decided.
+const MOST_LIMBS: usize = 24;
+
+/// Times are counted in units of 2^-60, the length of the shortest intervals.
+const DEEPEST: u32 = 60;
+
+/// The first interval is 2^-24 long.
+const FIRST: u32 = 24;
+
+/// Triangles are said to meet in an interval no longer than 2^-20.
+const SHORT: u32 = 20;
+
+/// Intervals after which a pair is left open.
+const INTERVALS: usize = 512;
+
+/// What is found of two moving triangles that are apart until a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// They do not meet.
+    Apart,
+    /// They do not meet before `from`, and certainly meet before `to`; if it is infinite, that is open.
+    Near { from: f64, to: f64 },
+}
+
+type Vector<const L: usize> = [Wide<L>; 3];
+
+/// The corners of both triangles: 0 to 2 are those of the first, 3 to 5 those of the second.
+type Corners<const L: usize> = [Vector<L>; 6];
+
+/// Two moving triangles of which integers decide.
+pub(crate) struct Question<'q> {
+    /// The corners of the first triangle at the start and at the end, then those of the second.
+    pub(crate) corners: [&'q [[f64; 3]; 3]; 4],
+    /// How many corners differ: a segment is given by its second corner twice, a point by thrice the same.
+    pub(crate) count: [usize; 2],
+    /// A time until which they are apart.
+    pub(crate) from: f64,
+    /// Until when they are certainly apart, by other means, if they are so until a time.
+    pub(crate) resume: &'q dyn Fn(f64) -> f64,
+}
+
+impl Question<'_> {
+    /// Goes through intervals of time from `from` on, shorter ones where nothing is proven.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn answer(&self) -> Verdict {
+        // Those of both triangles at the start, then at the end.
+        let axes = [0, 1, 2].map(|axis| {
+            let corner = |k: usize| self.corners[k / 6 + k % 6 / 3 * 2][k % 3][axis];
+            Axis::new(core::array::from_fn(corner))
+        });
+        let bits = axes.iter().map(Axis::bits).max().unwrap_or(0);
+        let levels = |limbs| deepest(limbs, bits);
+        match (levels(LIMBS), levels(MORE_LIMBS)) {
+            (level @ 56.., _) => self.search::<LIMBS>(&axes, level),
+            (_, level @ 56..) => self.search::<MORE_LIMBS>(&axes, level),
+            _ => match levels(MOST_LIMBS) {
+                0..FIRST => Verdict::Near { from: self.from, to: f64::INFINITY },
+                level => self.search::<MOST_LIMBS>(&axes, level),
+            },
+        }
+    }
+
+    #[inline(never)]
+    fn search<const L: usize>(&self, axes: &[Axis<12>; 3], deepest: u32) -> Verdict {
+        let ends = [0, 6].map(|end| -> Corners<L> {
+            [0, 1, 2, 3, 4, 5]
+                .map(|k| [0, 1, 2].map(|axis: usize| axes[axis].difference(end, end + k)))
+        });
+        const END: u64 = 1 << DEEPEST;
+        let open =
+            |time| Verdict::Near { from: rounded_down(time).max(self.from), to: f64::INFINITY };
+        let (mut time, mut level) = ((self.from * END as f64) as u64, FIRST);
+        let mut last = Direction::Face(0);
+        for _ in 0..INTERVALS {
+            let interval = Interval::new(&ends, time, level, self.count);
+            let until = ((time >> (DEEPEST - level)) + 1) << (DEEPEST - level);
+            let mut directions = core::iter::once(last).chain(interval.directions());
+            if let Some(direction) = directions.find(|&d| interval.is_separated(d)) {
+                last = direction;
+                let resumed = (self.resume)(rounded_down(until));
+                if until == END || resumed >= 1.0 {
+                    return Verdict::Apart;
+                }
+                time = until.max((resumed * END as f64) as u64);
+                level = level.saturating_sub(2);
+            } else if level >= SHORT && interval.certainly_meet() {
+                let to = rounded_up(until);
+                return Verdict::Near { from: rounded_down(time).max(self.from), to };
+            } else if level == deepest {
+                return open(time);
+            } else {
+                level = (level + 4).min(deepest);
+            }
+        }
+        open(time)
+    }
+}
+
+/// The level of the shortest intervals for which so many limbs suffice, with coordinates of so many bits.
+///
+/// At level l, corners are below 2^e, e = bits + 1 + l, relative to the first one, and so are their differences. Along a direction that stands
+/// still, (g·g) w − (g·w) g with vectors below 2^(e + 1), heights are below 18 · 2^(4e + 3), and their differences below 2^(4e + 9).
+/// Coefficients of cubics are below 2^(3e + 6).
+fn deepest(limbs: usize, bits: u32) -> u32 {
+    let room = (limbs as u32 * u64::BITS - 9) / 4;
+    room.saturating_sub(bits + 1).min(DEEPEST)
+}
+
+/// A time as f64, at most so late.
+fn rounded_down(time: u64) -> f64 {
+    let cut = (u64::BITS - time.leading_zeros()).saturating_sub(f64::MANTISSA_DIGITS);
+    (time >> cut << cut) as f64 / (1_u64 << DEEPEST) as f64
+}
+
+/// A time as f64, at least so late.
+fn rounded_up(time: u64) -> f64 {
+    let down = rounded_down(time);
+    if (down * (1_u64 << DEEPEST) as f64) as u64 == time { down } else { down.next_up() }
+}
+
+/// A direction along which heights are compared.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    /// The normal of the face of one triangle, which moves with it.
+    Face(usize),
+    /// The normal of an edge of each, by their first corners.
+    Edges([usize; 2]),
+    /// From the foot of a corner on an edge of the other triangle, by its first corner.
+    Foot { corner: usize, edge: usize },
+    /// From a corner of the first triangle to one of the second.
+    Corners([usize; 2]),
+}
+
+/// Two moving triangles in an interval of time.
+struct Interval<const L: usize> {
+    /// The corners at both ends, times a power of two.
+    ends: [Corners<L>; 2],
+    count: [usize; 2],
+}
+
+/// The next corner of a triangle.
+fn next(corner: usize) -> usize {
+    if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+}
+
+impl<const L: usize> Interval<L> {
+    /// The interval at a level that contains `time`, if that is not its end, with the corners at the start and at the end of the motion.
+    #[inline(never)]
+    fn new(motion: &[Corners<L>; 2], time: u64, level: u32, count: [usize; 2]) -> Self {
+        let before = time >> (DEEPEST - level);
+        let mut ends = *motion;
+        for (end, corners) in ends.iter_mut().enumerate() {
+            let after = before + end as u64;
+            let [left, passed] = [(1 << level) - after, after].map(|x| Wide::new(x as i64, 0));
+            for (k, p) in corners.iter_mut().enumerate().skip(1) {
+                *p = [0, 1, 2].map(|axis| motion[0][k][axis] * left + motion[1][k][axis] * passed);
+            }
+        }
+        Self { ends, count }
+    }
+
+    /// The corners of a triangle.
+    fn corners(&self, of: usize) -> core::ops::Range<usize> {
+        3 * of..3 * of + self.count[of]
+    }
+
+    /// The first corners of the edges of a triangle.
+    fn edges(&self, of: usize) -> core::ops::Range<usize> {
+        let edges = if self.count[of] == 3 { 3 } else { self.count[of] - 1 };
+        3 * of..3 * of + edges
+    }
+
+    fn faces(&self) -> impl Iterator<Item = usize> {
+        let count = self.count;
+        (0..2).filter(move |&of| count[of] == 3)
+    }
+
+    fn pairs_of_edges(&self) -> impl Iterator<Item = [usize; 2]> {
+        let others = self.edges(1);
+        self.edges(0).flat_map(move |k| others.clone().map(move |l| [k, l]))
+    }
+
+    fn directions(&self) -> impl Iterator<Item = Direction> {
+        let (corners, edges) = ([self.corners(0), self.corners(1)], [self.edges(0), self.edges(1)]);
+        let pairs = corners[0].clone().flat_map({
+            let others = corners[1].clone();
+            move |i| others.clone().map(move |j| Direction::Corners([i, j]))
+        });
+        let feet = (0..2).flat_map(move |of: usize| {
+            let edges = edges[1 - of].clone();
+            corners[of].clone().flat_map(move |corner| {
+                edges.clone().map(move |edge| Direction::Foot { corner, edge })
+            })
+        });
+        let faces = self.faces().map(Direction::Face);
+        faces.chain(self.pairs_of_edges().map(Direction::Edges)).chain(feet).chain(pairs)
+    }
+
+    /// A vector from a corner to another, at both ends.
+    fn between(&self, from: usize, to: usize) -> [Vector<L>; 2] {
+        self.ends.each_ref().map(|corners| minus(&corners[to], &corners[from]))
+    }
+
+    /// Whether all of the second triangle is strictly on one side of the first along a direction, all through the interval.
+    fn is_separated(&self, direction: Direction) -> bool {
+        match direction {
+            Direction::Face(of) => {
+                let (o, others) = (3 * of, self.corners(1 - of));
+                let (u, v) = (self.between(o, o + 1), self.between(o, o + 2));
+                one_sided(&u, &v, others.map(|corner| self.between(o, corner)))
+            }
+            Direction::Edges([k, l]) => {
+                let (u, v) = (self.between(k, next(k)), self.between(l, next(l)));
+                // A segment has no third corner.
+                let beside = |k: usize, of: usize| {
+                    [k, next(next(k))].into_iter().take(self.count[of].min(3) - 1)
+                };
+                let pairs = beside(k, 0).flat_map(|i| beside(l, 1).map(move |j| [i, j]));
+                one_sided(&u, &v, pairs.map(|[i, j]| self.between(i, j)))
+            }
+            Direction::Foot { corner, edge } => {
+                let [g, w] = [next(edge), corner].map(|to| sum(&self.between(edge, to)));
+                let (length, along) = (dot(&g, &g), dot(&g, &w));
+                let across = [0, 1, 2].map(|k| length * w[k] - along * g[k]);
+                // Upwards, if the corner is of the second triangle.
+                self.is_above(&across, corner / 3)
+            }
+            Direction::Corners([i, j]) => self.is_above(&sum(&self.between(i, j)), 1),
+        }
+    }
+
+    /// Whether a triangle is strictly above the other along a direction, at both ends.
+    fn is_above(&self, n: &Vector<L>, above: usize) -> bool {
+        self.ends.iter().all(|corners| {
+            let mut below = self.corners(1 - above).map(|k| dot(n, &corners[k]));
+            let Some(first) = below.next() else { return false };
+            let highest = below.fold(first, |x, y| if (y - x).sign() > 0 { y } else { x });
+            self.corners(above).all(|k| (dot(n, &corners[k]) - highest).sign() > 0)
+        })
+    }
+
+    /// Whether a corner certainly passes a face, or an edge an edge.
+    fn certainly_meet(&self) -> bool {
+        let faces = self.faces().flat_map(|of| self.corners(1 - of).map(move |c| [3 * of, c]));
+        let passes_face = |[o, corner]: [usize; 2]| {
+            let [u, v, w] = [o + 1, o + 2, corner].map(|to| self.between(o, to));
+            !has_strict_sign(&u, &v, &w) && (0..3).any(|axis| self.is_inside(o, corner, axis))
+        };
+        let passes_edge = |[k, l]: [usize; 2]| {
+            let [u, v] = [k, l].map(|from| self.between(from, next(from)));
+            !has_strict_sign(&u, &v, &self.between(k, l))
+                && (0..3).any(|axis| self.cross(k, l, axis))
+        };
+        faces.into_iter().any(passes_face) || self.pairs_of_edges().any(passes_edge)
+    }
+
+    /// Whether a corner is in a face all through the interval, seen along an axis, which never sees the face edge-on.
+    fn is_inside(&self, o: usize, corner: usize, axis: usize) -> bool {
+        let side = turn(&self.between(o, o + 1), &self.between(o, o + 2), axis);
+        let Some(side) = strict_sign(&side) else { return false };
+        [o, o + 1, o + 2].into_iter().all(|from| {
+            let turn = turn(&self.between(from, next(from)), &self.between(from, corner), axis);
+            turn.iter().all(|c| c.sign() * side >= 0)
+        })
+    }
+
+    /// Whether two edges cross all through the interval, seen along an axis, and never in parallel.
+    fn cross(&self, k: usize, l: usize, axis: usize) -> bool {
+        let (g, h) = (self.between(k, next(k)), self.between(l, next(l)));
+        let Some(side) = strict_sign(&turn(&g, &h, axis)) else { return false };
+        let is_on = |vector: &[Vector<L>; 2], from: usize, to: usize, side: i32| {
+            let turn = turn(vector, &self.between(from, to), axis);
+            turn.iter().all(|c| c.sign() * side >= 0)
+        };
+        // The second begins on the right of the first if it turns left, and ends on the left; the first begins on the left of the second.
+        is_on(&g, k, l, -side)
+            && is_on(&g, k, next(l), side)
+            && is_on(&h, l, k, side)
+            && is_on(&h, l, next(k), -side)
+    }
+}
+
+/// Whether cubics have one strict sign all through the interval: the heights of some vectors along the normal of two.
+fn one_sided<const L: usize>(
+    u: &[Vector<L>; 2],
+    v: &[Vector<L>; 2],
+    heights: impl Iterator<Item = [Vector<L>; 2]> + Clone,
+) -> bool {
+    let ends = [0, 1].map(|end| cross(&u[end], &v[end]));
+    let mut sides = heights.clone().flat_map(|w| [0, 1].map(|end| dot(&ends[end], &w[end]).sign()));
+    let Some(side) = sides.next() else { return false };
+    if side == 0 || !sides.all(|other| other == side) {
+        return false;
+    }
+    let (p, q) = (cross(&u[0], &v[1]), cross(&u[1], &v[0]));
+    let middle = sum(&[p, q]);
+    // Thrice the inner coefficients.
+    heights.into_iter().all(|w| {
+        let inner = [0, 1].map(|end| dot(&ends[end], &w[1 - end]) + dot(&middle, &w[end]));
+        inner.iter().all(|c| c.sign() * side >= 0)
+    })
+}
+
+/// Whether the determinant of three vectors has the same strict sign at both ends of the interval.
+fn has_strict_sign<const L: usize>(
+    u: &[Vector<L>; 2],
+    v: &[Vector<L>; 2],
+    w: &[Vector<L>; 2],
+) -> bool {
+    let [before, after] = [0, 1].map(|end| dot(&cross(&u[end], &v[end]), &w[end]).sign());
+    before * after > 0
+}
+
+/// The Bernstein coefficients of the turn of two moving vectors, seen along an axis, the second of them twice.
+fn turn<const L: usize>(u: &[Vector<L>; 2], v: &[Vector<L>; 2], axis: usize) -> [Wide<L>; 3] {
+    let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+    let turn = |u: &Vector<L>, v: &Vector<L>| u[j] * v[k] - u[k] * v[j];
+    [turn(&u[0], &v[0]), turn(&u[0], &v[1]) + turn(&u[1], &v[0]), turn(&u[1], &v[1])]
+}
+
+/// The sign of a quadratic that is never zero, by its Bernstein coefficients.
+fn strict_sign<const L: usize>([start, inner, end]: &[Wide<L>; 3]) -> Option<i32> {
+    let side = start.sign();
+    (side != 0 && end.sign() == side && inner.sign() * side >= 0).then_some(side)
+}
+
+fn minus<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Vector<L> {
+    [0, 1, 2].map(|k| p[k] - q[k])
+}
+
+fn sum<const L: usize>([p, q]: &[Vector<L>; 2]) -> Vector<L> {
+    [0, 1, 2].map(|k| p[k] + q[k])
+}
+
+fn dot<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Wide<L> {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+fn cross<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Vector<L> {
+    [(1, 2), (2, 0), (0, 1)].map(|(j, k)| p[j] * q[k] - p[k] * q[j])
+}
