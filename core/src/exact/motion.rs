@@ -22,8 +22,8 @@ use super::wide::Wide;
 /// Limbs for coordinates of up to 68 bits: those of most meshes are shorter.
 const LIMBS: usize = 8;
 
-/// Limbs for coordinates of up to 164 bits.
-const MORE_LIMBS: usize = 14;
+/// Limbs for coordinates of up to 116 bits.
+const MORE_LIMBS: usize = 11;
 
 /// Limbs for any f32, whose coordinates have up to 278 bits. Of f64 with more than 356 bits nothing is decided.
 const MOST_LIMBS: usize = 24;
@@ -97,7 +97,7 @@ impl Question<'_> {
         const END: u64 = 1 << DEEPEST;
         let open =
             |time| Verdict::Near { from: rounded_down(time).max(self.from), to: f64::INFINITY };
-        let (mut time, mut level) = ((self.from * END as f64) as u64, FIRST);
+        let (mut time, mut level, mut growth) = ((self.from * END as f64) as u64, FIRST, 1);
         let mut last = Direction::Face(0);
         for _ in 0..INTERVALS {
             let interval = Interval::new(&ends, time, level, self.count);
@@ -110,14 +110,14 @@ impl Question<'_> {
                     return Verdict::Apart;
                 }
                 time = until.max((resumed * END as f64) as u64);
-                level = level.saturating_sub(2);
+                (level, growth) = (level.saturating_sub(growth), 2 * growth);
             } else if level >= SHORT && interval.certainly_meet() {
                 let to = rounded_up(until);
                 return Verdict::Near { from: rounded_down(time).max(self.from), to };
             } else if level == deepest {
                 return open(time);
             } else {
-                level = (level + 4).min(deepest);
+                (level, growth) = ((level + 4).min(deepest), 1);
             }
         }
         open(time)
@@ -175,16 +175,19 @@ impl<const L: usize> Interval<L> {
     /// The interval at a level that contains `time`, if that is not its end, with the corners at the start and at the end of the motion.
     #[inline(never)]
     fn new(motion: &[Corners<L>; 2], time: u64, level: u32, count: [usize; 2]) -> Self {
-        let before = time >> (DEEPEST - level);
-        let mut ends = *motion;
-        for (end, corners) in ends.iter_mut().enumerate() {
-            let after = before + end as u64;
-            let [left, passed] = [(1 << level) - after, after].map(|x| Wide::new(x as i64, 0));
-            for (k, p) in corners.iter_mut().enumerate().skip(1) {
-                *p = [0, 1, 2].map(|axis| motion[0][k][axis] * left + motion[1][k][axis] * passed);
+        let mut interval = Self { ends: *motion, count };
+        let [whole, passed] =
+            [1 << level, time >> (DEEPEST - level)].map(|x| Wide::new(x as i64, 0));
+        for k in interval.corners(0).chain(interval.corners(1)).skip(1) {
+            for axis in 0..3 {
+                let [start, end] = [0, 1].map(|end: usize| motion[end][k][axis]);
+                let step = end - start;
+                let before = start * whole + step * passed;
+                interval.ends[0][k][axis] = before;
+                interval.ends[1][k][axis] = before + step;
             }
         }
-        Self { ends, count }
+        interval
     }
 
     /// The corners of a triangle.

@@ -8,19 +8,19 @@ use glam::DVec3;
 /// 1 u, of a product 1 u, of the sum 2 u; and their difference, at most 2 |n|₁, by 2 u |n|₁ more. That is 10 u at each end, and so at
 /// each time. The line between two ends as it is evaluated at a time is off by 3 u of 2 |n|₁, and its root, with three roundings, is so
 /// late that the line has lost 3 u of 2 |n|₁ there. In all 22 u |n|₁.
-const HEIGHT: f64 = 32.0 * UNIT;
+pub(super) const HEIGHT: f64 = 32.0 * UNIT;
 
 /// A coefficient of a cubic has to exceed so much of the product of the ranges, m. A difference of two corners at a time is off by 9 u of the
 /// range along each axis: each corner by 4 u, and the difference by 1 u. A coefficient has six products of three differences, or twelve to
 /// eighteen over 3: each is off by 27 u for its factors and by at most 8 u for its multiplications and sums. That is 210 u m. Subdivision
 /// rounds three times, by 2 u of at most 6 m: 36 u m more.
-const CUBIC: f64 = 512.0 * UNIT;
+pub(super) const CUBIC: f64 = 512.0 * UNIT;
 
 /// How often the time up to which a direction that moves with a feature separates is halved.
 const BISECTIONS: usize = 8;
 
 /// A cubic of time by its Bernstein coefficients.
-type Cubic = [f64; 4];
+pub(super) type Cubic = [f64; 4];
 
 impl MovingPair {
     /// The time up to which the direction `n` certainly separates the triangles, the second above the first, from `time` on: all through the
@@ -125,13 +125,13 @@ pub(super) fn edges([k, l]: [usize; 2]) -> [[usize; 3]; 2] {
 
 /// The Bernstein coefficients of the cross product of two moving vectors, the second of them twice.
 #[inline(always)]
-fn normal(u: [DVec3; 2], v: [DVec3; 2]) -> [DVec3; 3] {
+pub(super) fn normal(u: [DVec3; 2], v: [DVec3; 2]) -> [DVec3; 3] {
     [u[0].cross(v[0]), u[0].cross(v[1]) + u[1].cross(v[0]), u[1].cross(v[1])]
 }
 
 /// The Bernstein coefficients of the product of such a normal and a moving vector.
 #[inline(always)]
-fn height(n: &[DVec3; 3], w: [DVec3; 2]) -> Cubic {
+pub(super) fn height(n: &[DVec3; 3], w: [DVec3; 2]) -> Cubic {
     const THIRD: f64 = 1.0 / 3.0;
     let inner = [n[1].dot(w[0]) + n[0].dot(w[1]), n[2].dot(w[0]) + n[1].dot(w[1])];
     [n[0].dot(w[0]), inner[0] * THIRD, inner[1] * THIRD, n[2].dot(w[1])]

@@ -29,8 +29,11 @@ impl Impact {
     }
 }
 
-/// The squared part of their radius within which triangles are near: (2^-30)².
-const NEAR_SQUARE: f64 = 1.0 / 1_152_921_504_606_846_976.0;
+/// The part of their radius within which triangles are near: 2^-30. Where they meet, that is near enough to prove it.
+pub(super) const NEAR: f64 = 1.0 / 1_073_741_824.0;
+
+/// The same for those of which that is not proven: 2^-44. Nearer ones are nothing but rounding errors apart.
+const NEAREST: f64 = 1.0 / 17_592_186_044_416.0;
 
 /// Steps after which a pair is left open, far more than any takes that comes from a real motion.
 const STEPS: usize = 200;
@@ -44,17 +47,19 @@ pub(super) enum Progress {
 }
 
 impl MovingPair {
-    /// Goes from `time`, at which the triangles do not meet, from one certificate that they are apart to the next.
+    /// Goes from `time`, at which the triangles do not meet, from one certificate that they are apart to the next, until they are as near as a
+    /// part of their radius.
     #[inline]
-    pub(super) fn part(&self, mut time: f64) -> Progress {
+    pub(super) fn part(&self, mut time: f64, near: f64) -> Progress {
+        let reach = near * self.radius;
         let mut feature = Feature::Edges([0; 2]);
         for _ in 0..STEPS {
             let corners = self.at(time);
             let [[a, b, c, d, e, f]] = [corners];
-            let ([x, y], near) = near_points([&[a, b, c], &[d, e, f]], self.corners);
-            feature = near;
+            let ([x, y], features) = near_points([&[a, b, c], &[d, e, f]], self.corners);
+            feature = features;
             let along = y - x;
-            if !(along.length_squared() > NEAR_SQUARE * self.radius * self.radius) {
+            if !(along.length_squared() > reach * reach) {
                 break;
             }
             let n = normal(&corners, feature);
@@ -126,7 +131,7 @@ pub fn impact(a: &MovingTriangle, b: &MovingTriangle) -> Result<Option<Impact>, 
 #[inline]
 pub(super) fn impact_of(a: &MovingTriangle, b: &MovingTriangle) -> Option<Impact> {
     let pair = MovingPair::new(a, b);
-    match pair.part(0.0) {
+    match pair.part(0.0, NEAR) {
         Progress::Apart => None,
         Progress::Near(time, feature) => impact_after(a, b, &pair, time, feature),
     }
@@ -151,10 +156,14 @@ fn impact_after(
     if let Some(to) = pair.certain_meeting(from, feature) {
         return Some(Impact { from, to });
     }
-    let resume = |time: f64| match pair.part(time) {
+    let resume = |time: f64| match pair.part(time, NEAREST) {
         Progress::Apart => 1.0,
         Progress::Near(time, _) => time,
     };
+    let from = resume(from);
+    if from >= 1.0 {
+        return None;
+    }
     let corners = [&a[0], &a[1], &b[0], &b[1]];
     let verdict = Question { corners, count: pair.corners, from, resume: &resume }.answer();
     let Verdict::Near { from, to } = verdict else { return None };

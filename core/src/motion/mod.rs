@@ -1,12 +1,46 @@
 //! Which triangles meet while both move, and when first.
 //!
-//! TODO
+//! # The question
+//! Each corner goes in a straight line, (1 − t) p + t q, from its position p at the start, t = 0, to its position q at the end, t = 1: in real
+//! numbers, from positions that are posed and rounded as they are for any query. Triangles meet at the first time at which they have a point
+//! in common.
+//!
+//! - Two that are not reported meet at no time from 0 to 1.
+//! - Each that are have an [`Impact`]: they do not meet before `from`, and certainly meet before `to`, if that is finite. Else they come near
+//!   at `from`, and whether they meet is open: that is so where they touch and do not pass, where all corners move in one plane for ever, and
+//!   where coordinates in f64 have more than 356 bits. What was undecided is reported, never dropped.
+//! - At the times 0 and 1 they meet exactly if they intersect then.
+//!
+//! # How a pair is decided
+//! Not by roots of cubics, as by Provot (*Collision and self-collision handling in cloth model dedicated to design garments*, 1997), and not by
+//! boxes in time and on both features, as by Wang et al. (*A Large-Scale Benchmark and an Inclusion-Based Algorithm for Continuous Collision
+//! Detection*, 2021), but by certificates about whole triangles, each with an error bound, whatever suggested it:
+//!
+//! 1. near points of both are found at a time. A direction that separates the triangles then, such as that from one point to the other, is a
+//!    certificate that they stay apart for a while; and so is the normal of the features with the points, which moves with these (`apart`).
+//!    The next step begins where the best of them ends: conservative advancement (Mirtich, 1996) with certificates in place of bounds on
+//!    speeds. Nearly all pairs end here, after one or two steps;
+//! 2. where they are near, a corner that passes a face, or an edge that passes an edge, is a certificate that they meet (`meets`);
+//! 3. what is left is asked again in integers, interval of time by interval (`exact::motion`), until a certificate in f64 leads on.
+//!
+//! A wrong guess, NaN or a bad division costs a step, never an answer.
+//!
+//! # One mesh
+//! Triangles that share vertices by index are decided by a rule of their own: see [`impact_in_mesh`].
+//!
+//! # Rigid bodies
+//! They too are decided by their corners, in straight lines between both poses. A screw motion is off from it: a corner at the distance r
+//! from its axis, that turns by an angle θ, by r θ²/8 at most, for its acceleration is r θ², and linear interpolation is off by an eighth of
+//! that.
+
 mod apart;
 mod impact;
 mod meets;
+mod neighbours;
 mod pair;
 #[cfg(test)]
 mod tests;
 
 pub use impact::{Impact, impact};
+pub use neighbours::impact_in_mesh;
 pub use pair::MovingTriangle;

@@ -43,7 +43,7 @@ impl MovingPair {
             radius = radius.max(high.max(-low));
             ranges = ranges.max(high - low);
         }
-        let radius = radius.max_element();
+        let radius = radius.max_element().abs();
         // A number of the exponent e is below 2^(e - 1022).
         let scale = f64::from_bits((2045 - (radius.to_bits() >> 52)) << 52);
         for p in ends.as_flattened_mut() {

@@ -89,7 +89,7 @@ pub(crate) fn intersects_as_in_mesh<C: Scalar>(
 
 /// Two triangles of a mesh, if they share a vertex.
 #[inline]
-fn neighbours<C: Scalar>(
+pub(crate) fn neighbours<C: Scalar>(
     mesh: Mesh<'_>,
     triangles: [u32; 2],
     position: impl Fn(u32) -> [C; 3],
@@ -102,13 +102,13 @@ fn neighbours<C: Scalar>(
 }
 
 /// A triangle that shares a vertex with another one.
-struct Neighbour<C> {
+pub(crate) struct Neighbour<C> {
     /// Its vertices, shared ones first, each once and the last again if an index repeats.
-    corners: [[C; 3]; 3],
+    pub(crate) corners: [[C; 3]; 3],
     /// How many different vertices it shares.
-    shared: usize,
+    pub(crate) shared: usize,
     /// How many different vertices it has.
-    distinct: usize,
+    pub(crate) distinct: usize,
 }
 
 impl<C: Scalar> Neighbour<C> {

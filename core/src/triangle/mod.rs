@@ -39,6 +39,8 @@ pub use contact::{Contact, contact};
 pub(crate) use contact::{contact_of, posed_contact};
 #[cfg(feature = "relation")]
 pub(crate) use in_mesh::intersects_as_in_mesh;
+#[cfg(feature = "motion")]
+pub(crate) use in_mesh::neighbours;
 pub use in_mesh::{Adjacency, intersects_in_mesh};
 pub(crate) use meet::meet_of;
 pub use meet::{Meet, Region, meet, meet_f64};

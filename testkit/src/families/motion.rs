@@ -16,6 +16,8 @@ pub enum MotionFamily {
     Degenerate,
     /// Corners uniform in the unit cube at both ends.
     Random,
+    /// Small triangles that fly past or through larger ones, mostly between the ends.
+    Passing,
     /// A corner or an edge that passes the other triangle at 0 or ±1e-7.
     Grazing,
     /// Both turn together by up to a third of a circle, with a gap of 1e-6.
@@ -36,11 +38,12 @@ pub enum MotionFamily {
 
 impl MotionFamily {
     /// Every family.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Lattice2,
         Self::Lattice9,
         Self::Degenerate,
         Self::Random,
+        Self::Passing,
         Self::Grazing,
         Self::Turning,
         Self::Flat,
@@ -58,6 +61,7 @@ impl MotionFamily {
             Self::Lattice9 => lattice(rng, 9),
             Self::Degenerate => degenerate(rng),
             Self::Random => each(|| point(rng, 1.0)),
+            Self::Passing => passing(rng),
             Self::Grazing => grazing(rng),
             Self::Turning => turning(rng),
             Self::Flat => flat(rng),
@@ -80,12 +84,13 @@ impl MotionFamily {
 
     /// A pair of a family whose coordinates are of moderate size.
     fn basic(rng: &mut impl Rng) -> [MovingTriangle; 2] {
-        let family = Self::ALL[rng.random_range(0..8)];
+        let family = Self::ALL[rng.random_range(0..9)];
         match family {
             Self::Lattice2 => lattice(rng, 2),
             Self::Lattice9 => lattice(rng, 9),
             Self::Degenerate => degenerate(rng),
             Self::Random => each(|| point(rng, 1.0)),
+            Self::Passing => passing(rng),
             Self::Grazing => grazing(rng),
             Self::Turning => turning(rng),
             Self::Flat => flat(rng),
@@ -108,6 +113,17 @@ fn degenerate(rng: &mut impl Rng) -> [MovingTriangle; 2] {
         }
     }
     pair
+}
+
+fn passing(rng: &mut impl Rng) -> [MovingTriangle; 2] {
+    let [a, mut b] = each(|| point(rng, 1.0));
+    let (size, turned) = ([0.3, 0.03, 1e-3][rng.random_range(0..3)], point(rng, 0.1));
+    for (end, from) in b.iter_mut().zip([2.0, -2.0]) {
+        let at = add(point(rng, 0.3), [0.0, 0.0, from]);
+        *end = end.map(|p| add(scaled(p, size), at));
+    }
+    let a = a.map(|end| end.map(|[x, y, z]| add([2.0 * x, 2.0 * y, 0.2 * z], turned)));
+    [a, b]
 }
 
 /// Two triangles that touch at a time, and are moved apart by a gap along the normal of the features that touch.

@@ -22,7 +22,7 @@ pub use distance::{within, within_each};
 pub use lattice::Coordinate;
 pub use meet::{Meet, OnLattice, meet};
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};
-pub use motion::{MovingTriangle, meet_while_moving};
+pub use motion::{MovingTriangle, meet_while_moving, self_hit_while_moving};
 pub use segment::first_parameter;
 pub use volume::overlap_volume;
 

@@ -52,14 +52,48 @@ pub fn meet_while_moving(a: &MovingTriangle, b: &MovingTriangle, interval: [f64;
     }) || edges(&a).iter().any(|e| edges(&b).iter().any(|f| hulls_meet(&interval, e, f)))
 }
 
+/// Whether two triangles of one mesh meet at a time of the interval, what they share by index being no contact: as in
+/// [`self_hit`](super::self_hit), but with a shared edge they meet where the opposite corner of one is in the other, or two edges meet
+/// that have no vertex in common.
+///
+/// # Panics
+/// If an index is out of range.
+pub fn self_hit_while_moving(
+    ta: [u32; 3],
+    tb: [u32; 3],
+    positions: [&[[f64; 3]]; 2],
+    interval: [f64; 2],
+) -> bool {
+    let rest = |own: [u32; 3], other: [u32; 3]| -> Vec<u32> {
+        let mut rest: Vec<_> = own.into_iter().filter(|v| !other.contains(v)).collect();
+        rest.sort_unstable();
+        rest.dedup();
+        rest
+    };
+    // Up to three vertices as a triangle.
+    let hull = |of: &[u32]| -> MovingTriangle {
+        positions.map(|p| [0, 1, 2].map(|k| p[of[k.min(of.len() - 1)] as usize]))
+    };
+    let meet = |p: &[u32], q: &[u32]| meet_while_moving(&hull(p), &hull(q), interval);
+    let mut shared: Vec<u32> = ta.into_iter().filter(|v| tb.contains(v)).collect();
+    shared.sort_unstable();
+    shared.dedup();
+    let (rest_a, rest_b) = (rest(ta, tb), rest(tb, ta));
+    match (&shared[..], &rest_a[..], &rest_b[..]) {
+        ([], _, _) => meet(&ta, &tb),
+        ([_, _, _], _, _) | (_, [], []) => true,
+        ([_, _], [], _) | ([_, _], _, []) => false,
+        (&[e, f], &[c, ..], &[d, ..]) => {
+            meet(&[c], &tb) || meet(&[d], &ta) || meet(&[e, c], &[f, d]) || meet(&[f, c], &[e, d])
+        }
+        _ => !rest_a.is_empty() && meet(&rest_a, &tb) || !rest_b.is_empty() && meet(&rest_b, &ta),
+    }
+}
+
 /// Whether a point and a triangle, or two segments, have a point in common at a time of the interval.
 fn hulls_meet(interval: &[Dyadic; 2], p: &[Moving], q: &[Moving]) -> bool {
-    let (o, rest) = p.split_first().expect("a point");
-    let [u, v, w] = match (rest, q) {
-        ([end], [s, t]) => [minus(end, o), minus(s, o), minus(t, o)],
-        (_, [r, s, t]) => [minus(r, o), minus(s, o), minus(t, o)],
-        _ => unreachable!("a point and a triangle, or two segments"),
-    };
+    let points: Vec<_> = p.iter().chain(q).collect();
+    let [u, v, w] = [1, 2, 3].map(|k| minus(points[k], points[0]));
     let volume = &(&(&minor(&u, &v, 0) * &w[0]) + &(&minor(&u, &v, 1) * &w[1]))
         + &(&minor(&u, &v, 2) * &w[2]);
     let conditions = Conditions::new(p, q);

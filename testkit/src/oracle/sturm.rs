@@ -65,13 +65,12 @@ impl Polynomial {
 
     /// The quotient and the remainder of a positive multiple of this by `other`.
     fn divided(&self, other: &Self) -> (Self, Self) {
-        let lead = other.0.last().expect("not the zero polynomial");
+        let Some(lead) = other.0.last() else { return (Self(Vec::new()), self.clone()) };
         let mut rest = self.0.clone();
         let mut quotient = vec![BigInt::zero(); self.0.len()];
         while rest.len() >= other.0.len() {
             let shift = rest.len() - other.0.len();
-            let top = rest.last().expect("not empty") * lead.signum();
-            let factor = lead.abs();
+            let (top, factor) = (&rest[rest.len() - 1] * lead.signum(), lead.abs());
             rest.iter_mut().chain(&mut quotient).for_each(|c| *c *= &factor);
             for (c, o) in rest[shift..].iter_mut().zip(&other.0) {
                 *c -= &top * o;
@@ -101,8 +100,7 @@ impl Polynomial {
         let mut sequence = vec![once.derivative()];
         sequence.insert(0, once);
         while sequence[sequence.len() - 1].degree() > 0 {
-            let [.., p, q] = &sequence[..] else { unreachable!("there are two") };
-            let rest = p.divided(q).1;
+            let rest = sequence[sequence.len() - 2].divided(&sequence[sequence.len() - 1]).1;
             if rest.is_zero() {
                 break;
             }
