@@ -2,6 +2,7 @@
 
 use crate::BodyId;
 use pfront_blob::BlobError;
+use pfront_core::motion::MotionError;
 use pfront_core::pose::PoseError;
 use pfront_core::relation::NotSolid;
 use pfront_core::{CapacityError, DistanceError, MeshError};
@@ -19,6 +20,9 @@ pub enum Error {
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),
+    /// Two models are not the start and the end of one motion.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// A distance within which pairs are asked for is NaN, infinite or negative.
     #[error(transparent)]
     Distance(#[from] DistanceError),

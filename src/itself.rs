@@ -1,7 +1,7 @@
 //! One model with itself.
 
 use crate::environment::with_default;
-use crate::executor::Plan;
+use crate::executor::{History, Plan};
 use crate::subject::{Subject, itself};
 use crate::subject_query::SubjectQuery;
 use crate::{Adjacency, Contact, Distance, Error, Executor, Model, Scalar, TrianglePair};
@@ -189,6 +189,14 @@ impl SelfQuery {
     ) -> Result<Vec<(TrianglePair, Contact<f64>)>, Error> {
         let subject = self.subject(model);
         self.query.contacts_f64(&subject)
+    }
+
+    pub(crate) fn adjacency(&self) -> Adjacency {
+        self.adjacency
+    }
+
+    pub(crate) fn history(&mut self) -> &mut History<()> {
+        self.query.history()
     }
 
     fn subject<'m>(&self, model: &'m Model) -> Subject<&'m Model> {

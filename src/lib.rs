@@ -37,8 +37,8 @@
 //!
 //! # Limits
 //! - Surfaces, not solids: a body that lies wholly inside another has no hit, from any query but those about a [`Solid`].
-//! - One instant, not a motion: what is on one side of a wall in one frame and on the other in the next has no hit in
-//!   either (tunnelling). There is no continuous collision detection.
+//! - One instant, unless it is asked about a [`Motion`]: what is on one side of a wall in one frame and on the other in the next has no hit in
+//!   either (tunnelling). Corners of a motion go in straight lines, from one frame to the next.
 //!
 //! # Features
 //! - `threads` (default): the queries on several CPU threads.
@@ -64,9 +64,11 @@ mod error;
 pub mod executor;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod impacts;
 mod itself;
 mod memory;
 mod model;
+mod motion;
 mod once;
 mod pair;
 mod patches;
@@ -84,6 +86,7 @@ pub use error::Error;
 pub use executor::Executor;
 pub use itself::SelfQuery;
 pub use model::{Model, Scalar, Stamp};
+pub use motion::Motion;
 pub use once::{any, count, distance, pairs, self_pairs};
 pub use pair::PairQuery;
 pub use patches::{ContactPatch, ContactSize};
@@ -100,6 +103,7 @@ pub use pfront_blob::{self, Blob, BlobError};
 pub use pfront_core;
 pub use pfront_core::bvh::BuildOptions;
 pub use pfront_core::bvtt::{Gap, TrianglePair};
+pub use pfront_core::motion::{Impact, MotionError};
 pub use pfront_core::pose::PoseError;
 pub use pfront_core::relation::{Between, Location, NotSolid, Relation, Rule};
 pub use pfront_core::segment::SegmentHit;

@@ -44,6 +44,10 @@ impl SubjectQuery {
         self.history.report()
     }
 
+    pub(crate) fn history(&mut self) -> &mut History<()> {
+        &mut self.history
+    }
+
     pub(crate) fn plan(&self) -> Option<&Plan> {
         self.history.plan()
     }

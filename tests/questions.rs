@@ -34,10 +34,11 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 9] = [
+const QUERIES: [&str; 10] = [
     "src/pair.rs",
     "src/relation.rs",
     "src/itself.rs",
+    "src/impacts.rs",
     "src/scene/mod.rs",
     "src/scene/edit.rs",
     "src/scene/nearest.rs",

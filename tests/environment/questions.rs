@@ -39,6 +39,7 @@ pub(crate) enum Answer {
     Contacts(Vec<(TrianglePair, Contact)>),
     ContactsF64(Vec<(TrianglePair, Contact<f64>)>),
     Patches(Vec<ContactPatch>),
+    Impacts(Vec<(TrianglePair, Impact)>),
     /// The intervals, since any of the pairs that intersect may be told.
     Gaps(Vec<Option<[f64; 2]>>),
     /// Bodies by the order in which they were added.
@@ -89,8 +90,27 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
     deforming(&mut named, subjects, executor);
     solids(&mut named, executor);
     segments(&mut named, executor);
+    motions(&mut named, subjects, executor);
     scene(&mut named, subjects, executor);
     named
+}
+
+/// The third number of a position is subnormal: the motion of the whole is of the size of the model.
+fn motions(named: &mut Named, subjects: &Subjects, on: &Executor) {
+    let mut add = |verb: &str, hits: Vec<_>| named.push((verb.to_owned(), Answer::Impacts(hits)));
+    for (kind, [a, b]) in [("f32", &subjects.models), ("f64", &subjects.in_f64)] {
+        let (mut query, rest) = (PairQuery::new().on(on), Motion::at_rest(a));
+        let at = |x: f32| Pose::from_translation([x, f32::from_bits(1), 0.0]);
+        let moving = Motion::new(b, at(0.0), at(-0.25)).unwrap();
+        add(&format!("PairQuery::impacts, {kind}"), query.impacts(&rest, &moving).unwrap());
+        let first = query.first_impact(&rest, &moving).unwrap();
+        add(&format!("PairQuery::first_impact, {kind}"), Vec::from_iter(first));
+    }
+    let (model, mut end) = (&*subjects.models[0], subjects.models[0].try_clone().unwrap());
+    end.set_positions(&subjects.other.positions).unwrap();
+    let (mut query, motion) = (SelfQuery::new().on(on), Motion::between(model, &end).unwrap());
+    add("SelfQuery::impacts", query.impacts(&motion).unwrap());
+    add("SelfQuery::first_impact", Vec::from_iter(query.first_impact(&motion).unwrap()));
 }
 
 fn pairs(named: &mut Named, kind: &str, [a, b]: &[Arc<Model>; 2], pose: AnyPose, on: &Executor) {

@@ -1,7 +1,7 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 14] = [
+const SURFACE: [(&str, &str, &str, &str); 16] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
@@ -13,6 +13,13 @@ const SURFACE: [(&str, &str, &str, &str); 14] = [
         include_str!("../../src/itself.rs"),
         "all any count visit contacts contacts_f64 set_positions",
         "new with_adjacency on within report forget plan",
+    ),
+    ("Motion", include_str!("../../src/motion.rs"), "new between", "at_rest"),
+    (
+        "impacts of PairQuery and SelfQuery",
+        include_str!("../../src/impacts.rs"),
+        "impacts first_impact impacts first_impact",
+        "",
     ),
     (
         "SceneQuery",

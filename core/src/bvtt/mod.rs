@@ -42,6 +42,8 @@ mod cursor;
 #[cfg(feature = "within")]
 mod distance;
 mod meet;
+#[cfg(feature = "motion")]
+mod motion;
 mod near;
 mod nearest;
 mod planes;

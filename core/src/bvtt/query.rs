@@ -230,7 +230,7 @@ impl<const SELF: bool> Query for Bvtt<'_, SELF> {
 }
 
 /// The children of a node, or a leaf itself.
-fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
+pub(super) fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
     let node = bvh.node(index);
     if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }

@@ -146,9 +146,9 @@ impl<'a> PairBvtt<'a> {
         if is_asked { self } else { Self::in_frame(self.a, self.b, distance) }
     }
 
-    /// The same with boxes that stand in the frame of the query, where distances are.
-    #[cfg(feature = "within")]
-    pub(super) fn in_own_frame(&self) -> Self {
+    /// The same with boxes that stand in the frame of the query, where distances are and motions go in straight lines.
+    #[cfg(any(feature = "within", feature = "motion"))]
+    pub(crate) fn in_own_frame(&self) -> Self {
         Self::in_frame(self.a, self.b, Some(0.0))
     }
 

@@ -11,8 +11,8 @@
 //!   along an axis along which the face, or the plane of both edges, is never seen edge-on: turns are quadratics of time.
 //!
 //! Triangles that are apart have a shortest connection at each time, between two of these features, and its direction separates them with room
-//! to spare; so for short enough intervals one of the first two holds, since both depend continuously on the interval. Of triangles that
-//! meet, only those are left open that touch and do not pass, or move in one plane for ever.
+//! to spare; so for short enough intervals one of the first two holds, since both depend continuously on the interval. Open is
+//! left only whether triangles meet that touch and do not pass, or that move in one plane for ever.
 //!
 //! Scaling an axis changes neither, hence each axis has a unit of its own.
 
@@ -25,7 +25,7 @@ const LIMBS: usize = 8;
 /// Limbs for coordinates of up to 116 bits.
 const MORE_LIMBS: usize = 11;
 
-/// Limbs for any f32, whose coordinates have up to 278 bits. Of f64 with more than 356 bits nothing is decided.
+/// Limbs for any f32, whose coordinates have up to 278 bits. Triangles in f64 with more than 356 bits are not decided.
 const MOST_LIMBS: usize = 24;
 
 /// Times are counted in units of 2^-60, the length of the shortest intervals.
@@ -40,7 +40,7 @@ const SHORT: u32 = 20;
 /// Intervals after which a pair is left open.
 const INTERVALS: usize = 512;
 
-/// What is found of two moving triangles that are apart until a time.
+/// The answer about two moving triangles that are apart until a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// They do not meet.
@@ -71,7 +71,7 @@ impl Question<'_> {
     #[cold]
     #[inline(never)]
     pub(crate) fn answer(&self) -> Verdict {
-        // Those of both triangles at the start, then at the end.
+        // Both triangles at the start, then at the end.
         let axes = [0, 1, 2].map(|axis| {
             let corner = |k: usize| self.corners[k / 6 + k % 6 / 3 * 2][k % 3][axis];
             Axis::new(core::array::from_fn(corner))

@@ -5,14 +5,14 @@ use crate::triangle::Feature;
 use glam::DVec3;
 
 /// A height has to exceed so much of |n|₁, where coordinates are at most 1. Each of the two heights along n is off by 4 u |n|₁: of a coordinate
-/// 1 u, of a product 1 u, of the sum 2 u; and their difference, at most 2 |n|₁, by 2 u |n|₁ more. That is 10 u at each end, and so at
+/// 1 u, of a product 1 u, of the sum 2 u; and their difference, at most 2 |n|₁, by 2 u |n|₁ more. This is 10 u at each end, and so at
 /// each time. The line between two ends as it is evaluated at a time is off by 3 u of 2 |n|₁, and its root, with three roundings, is so
 /// late that the line has lost 3 u of 2 |n|₁ there. In all 22 u |n|₁.
 pub(super) const HEIGHT: f64 = 32.0 * UNIT;
 
 /// A coefficient of a cubic has to exceed so much of the product of the ranges, m. A difference of two corners at a time is off by 9 u of the
 /// range along each axis: each corner by 4 u, and the difference by 1 u. A coefficient has six products of three differences, or twelve to
-/// eighteen over 3: each is off by 27 u for its factors and by at most 8 u for its multiplications and sums. That is 210 u m. Subdivision
+/// eighteen over 3: each is off by 27 u for its factors and by at most 8 u for its multiplications and sums. These are 210 u m. Subdivision
 /// rounds three times, by 2 u of at most 6 m: 36 u m more.
 pub(super) const CUBIC: f64 = 512.0 * UNIT;
 

@@ -1,4 +1,4 @@
-//! Which triangles meet while both move, and when first.
+//! Continuous queries: which triangles meet while both move, and when first.
 //!
 //! # The question
 //! Each corner goes in a straight line, (1 − t) p + t q, from its position p at the start, t = 0, to its position q at the end, t = 1: in real
@@ -8,7 +8,7 @@
 //! - Two that are not reported meet at no time from 0 to 1.
 //! - Each that are have an [`Impact`]: they do not meet before `from`, and certainly meet before `to`, if that is finite. Else they come near
 //!   at `from`, and whether they meet is open: that is so where they touch and do not pass, where all corners move in one plane for ever, and
-//!   where coordinates in f64 have more than 356 bits. What was undecided is reported, never dropped.
+//!   where coordinates in f64 have more than 356 bits. An undecided pair is reported, never dropped.
 //! - At the times 0 and 1 they meet exactly if they intersect then.
 //!
 //! # How a pair is decided
@@ -25,6 +25,11 @@
 //!
 //! A wrong guess, NaN or a bad division costs a step, never an answer.
 //!
+//! # Which pairs are asked about
+//! Two meshes that move have a BVTT like any two ([`MovingBvtt`]). A node has its box at the start and at the end, and two nodes are compared
+//! at a common time (`common_time`): so whatever moves side by side has no more node pairs than if it were at rest. No tree is built for a
+//! motion: it is the same nodes under two poses, or refitted to the positions at the end.
+//!
 //! # One mesh
 //! Triangles that share vertices by index are decided by a rule of their own: see [`impact_in_mesh`].
 //!
@@ -33,14 +38,20 @@
 //! from its axis, that turns by an angle θ, by r θ²/8 at most, for its acceleration is r θ², and linear interpolation is off by an eighth of
 //! that.
 
+mod adjacency;
 mod apart;
+mod bvh;
+mod bvtt;
+mod common_time;
 mod impact;
+mod leaf;
 mod meets;
-mod neighbours;
 mod pair;
 #[cfg(test)]
 mod tests;
 
+pub use adjacency::impact_in_mesh;
+pub use bvh::{MotionError, MovingBvh};
+pub use bvtt::MovingBvtt;
 pub use impact::{Impact, impact};
-pub use neighbours::impact_in_mesh;
 pub use pair::MovingTriangle;

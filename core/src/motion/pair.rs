@@ -9,7 +9,7 @@ pub type MovingTriangle = [[[f64; 3]; 3]; 2];
 /// The unit roundoff of f64: 2^-53.
 pub(super) const UNIT: f64 = f64::EPSILON * 0.5;
 
-/// What underflow takes from any height, determinant or turn of coordinates up to 1, and more: each is a sum of less than 2^8 products,
+/// A bound of what underflow takes from any height, determinant or turn of coordinates up to 1: each is a sum of less than 2^8 products,
 /// of which each loses less than 2^-1070.
 pub(super) const UNDERFLOWN: f64 = 1e-300;
 

@@ -3,7 +3,7 @@
 //! Two triangles that do not meet at first meet first where a corner of one comes upon the other, or an edge of each upon the other. Then the four
 //! points concerned are coplanar: at a root of a cubic, or always. Two sets of coplanar points have a point of their hulls in common exactly
 //! if their projections along all three axes have: along an axis that does not see the plane edge-on (or their line end-on) nothing is lost.
-//! What is asked of the projections are signs of quadratics and linear functions of time, which closed conditions combine. So the first time at
+//! Asked of the projections are signs of quadratics and linear functions of time, which closed conditions combine. So the first time at
 //! which they hold, if there is one, is the beginning or a root of one of these polynomials; all are tried, with signs by Sturm sequences.
 
 use super::lattice::Vector;
@@ -108,7 +108,7 @@ fn hulls_meet(interval: &[Dyadic; 2], p: &[Moving], q: &[Moving]) -> bool {
     times.into_iter().any(|mut time| time.sign(&volume) == 0 && conditions.hold(&mut time))
 }
 
-/// What is asked of two sets of coplanar points.
+/// The conditions under which two sets of coplanar points meet.
 struct Conditions {
     /// Along each axis, turns: of a corner with three edges, or of the ends of each segment with the other.
     turns: Vec<Vec<Polynomial>>,

@@ -14,11 +14,11 @@ const PRODUCT: f64 = 256.0 * UNIT;
 
 /// When triangles `i` and `j` of one mesh meet first that moves from `start` to `end`, two meshes with the same triangles; `None` if they never do.
 ///
-/// What they share by index is no contact, at each time as in [`intersects_in_mesh`]:
+/// Vertices and edges that they share by index are no contact, at each time as in [`intersects_in_mesh`]:
 ///
 /// - with one shared vertex they meet where the opposite edge of one meets the other;
-/// - with a shared edge they meet where the opposite corner of one meets the other, or two edges that have no corner in common meet. That
-///   includes times at which this corner is on the line of the edge, so that the triangle has no area: for an instant they meet, which
+/// - with a shared edge they meet where the opposite corner of one meets the other, or two edges that have no corner in common meet. These
+///   include times at which this corner is on the line of the edge, so that the triangle has no area: for an instant they meet, which
 ///   would not count without a motion;
 /// - with three shared vertices, or the same set of vertices, they meet from the start on.
 ///
@@ -135,7 +135,7 @@ fn are_apart_at_vertex(a: &MovingTriangle, b: &MovingTriangle) -> bool {
 /// Whether two triangles have no more than the edge between their first two corners in common at any time, certainly.
 ///
 /// Either they never are in one plane; or, seen along the edge, they never are less than a right angle apart: the product of their
-/// normals, taken in the same sense, is negative. That is a quartic of time.
+/// normals, taken in the same sense, is negative. It is a quartic of time.
 fn are_apart_at_edge(a: &MovingTriangle, b: &MovingTriangle) -> bool {
     let pair = MovingPair::new(a, b);
     if pair.side([1, 2], 5) != 0 {

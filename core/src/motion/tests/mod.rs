@@ -2,6 +2,8 @@
 
 extern crate std;
 
+mod bvtt;
+
 use super::{Impact, MovingTriangle, impact, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Mesh, MeshError};
@@ -56,7 +58,7 @@ fn families_as_the_oracle() {
             "{family:?}: {apart} apart, {proven} proven, {open} open; {false_open} in vain"
         );
         assert_eq!(false_open, 0, "{family:?}");
-        // Those that touch without passing, or meet only in between while in one plane.
+        // They touch without passing, or meet only in between while in one plane.
         assert!(open * 8 <= apart + proven, "{family:?}");
         (all.apart, all.proven) = (all.apart + apart, all.proven + proven);
     }

@@ -1,0 +1,53 @@
+//! The start or the end of a motion, as the traversal of motions sees it.
+
+use super::query::children;
+use super::{Bvtt, NodePair, PosedBvh};
+use crate::Mesh;
+use crate::aabb::Bounds;
+use crate::triangle::Adjacency;
+use core::ops::Range;
+
+impl<'a, const SELF: bool> Bvtt<'a, SELF> {
+    /// Whether both meshes have triangles.
+    pub(crate) fn has_roots(&self) -> bool {
+        self.a.bvh.root().is_some() && self.b.bvh.root().is_some()
+    }
+
+    /// Boxes that contain the corners below both nodes, in the frame of the query, or one that moves with it.
+    #[inline]
+    pub(crate) fn bounds_in_frame(&self, n: NodePair) -> [Bounds; 2] {
+        self.bounds(n)
+    }
+
+    /// The children of both nodes, or leaves themselves.
+    #[inline]
+    pub(crate) fn children_of(&self, n: NodePair) -> [Range<u32>; 2] {
+        [children(&self.a.bvh, n.a), children(&self.b.bvh, n.b)]
+    }
+
+    fn side(&self, side: usize) -> &PosedBvh<'a> {
+        if side == 0 { &self.a } else { &self.b }
+    }
+
+    pub(crate) fn mesh_of(&self, side: usize) -> Mesh<'a> {
+        self.side(side).bvh.mesh()
+    }
+
+    pub(crate) fn triangles_of_leaf(&self, side: usize, node: u32) -> &'a [u32] {
+        let bvh = &self.side(side).bvh;
+        bvh.leaf_triangles(bvh.node(node))
+    }
+
+    /// The corners of a triangle of one side as they are posed, whatever they are posed in.
+    pub(crate) fn corners_in_f64(&self, side: usize, triangle: u32) -> [[f64; 3]; 3] {
+        let side = self.side(side);
+        match self.error() {
+            None => side.triangle(triangle).map(|p| p.map(f64::from)),
+            Some(_) => side.triangle_f64(triangle),
+        }
+    }
+
+    pub(crate) fn adjacency(&self) -> Adjacency {
+        self.adjacency
+    }
+}

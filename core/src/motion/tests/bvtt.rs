@@ -1,0 +1,224 @@
+//! Moving meshes against every pair of their triangles.
+
+use super::rounds;
+use crate::bvh::{BuildOptions, BvhStorage, Refit, morton, node_bound, refit};
+use crate::bvtt::{NodePair, PairBvtt, PosedBvh, SelfBvtt, TrianglePair, Work};
+use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact, impact_in_mesh};
+use crate::triangle::{Adjacency, intersects_in_mesh};
+use crate::{Bvh, Mesh, Node, Pose, Pose64};
+use core::ops::ControlFlow;
+use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
+use std::vec::Vec;
+
+type Hit = (TrianglePair, Impact);
+
+/// A mesh of `n` triangles, some of which share vertices, and the nodes of its BVH.
+struct Soup {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+}
+
+impl Soup {
+    fn new(rng: &mut ChaCha8Rng, n: usize, size: f32) -> Self {
+        let vertices = n * 2;
+        let positions = (0..vertices)
+            .map(|v| {
+                // Neighbours in the list are near each other.
+                let at = (v as f32 / vertices as f32) * 2.0 - 1.0;
+                [0, 1, 2].map(|k| at * [1.0, 0.3, 0.2][k] + rng.random_range(-size..size))
+            })
+            .collect();
+        let triangles = (0..n as u32)
+            .map(|t| [0, 1, 2].map(|_| (2 * t + rng.random_range(0..4)) % vertices as u32))
+            .collect();
+        let mut soup = Self { positions, triangles, nodes: Vec::new(), order: Vec::new() };
+        let (mut nodes, mut order) = (std::vec![Node::EMPTY; node_bound(n)], std::vec![0; n]);
+        let options = BuildOptions { leaf_size: rng.random_range(1..=8), ..Default::default() };
+        let storage = BvhStorage { nodes: &mut nodes, order: &mut order };
+        let used =
+            morton(soup.mesh(), &options, storage, &mut std::vec![0; 2 * n]).unwrap().nodes().len();
+        nodes.truncate(used);
+        (soup.nodes, soup.order) = (nodes, order);
+        soup
+    }
+
+    fn mesh(&self) -> Mesh<'_> {
+        Mesh::new(&self.positions, &self.triangles).unwrap()
+    }
+
+    fn bvh(&self) -> Bvh<'_> {
+        Bvh::new_unchecked(self.mesh(), &self.nodes, &self.order)
+    }
+
+    /// The same triangles elsewhere, with nodes that are refitted.
+    fn moved(&self, mut change: impl FnMut([f32; 3]) -> [f32; 3]) -> Self {
+        let mut moved = Self {
+            positions: self.positions.iter().map(|&p| change(p)).collect(),
+            triangles: self.triangles.clone(),
+            nodes: self.nodes.clone(),
+            order: self.order.clone(),
+        };
+        let Self { positions, triangles, nodes, order } = &mut moved;
+        refit(Mesh::new(positions, triangles).unwrap(), nodes, order, Refit::default()).unwrap();
+        moved
+    }
+}
+
+fn at_rest(soup: &Soup) -> PosedBvh<'_> {
+    PosedBvh::new(soup.bvh(), &Pose::IDENTITY).unwrap()
+}
+
+/// All verbs give what `every` pair gives.
+fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
+    let mut found = Vec::new();
+    let _ = query.visit(|pair, impact| {
+        found.push((pair, impact));
+        ControlFlow::Continue(())
+    });
+    found.sort_by_key(|hit| hit.0);
+    assert_eq!(found, every);
+    assert_eq!(query.count(), every.len() as u64);
+    assert_eq!(query.any().is_some(), !every.is_empty());
+    let first = every.iter().min_by(|p, q| (p.1.from, p.0).partial_cmp(&(q.1.from, q.0)).unwrap());
+    assert_eq!(query.first_impact().as_ref(), first);
+    // From any cut of the tree.
+    let (mut front, mut next) = (Vec::from_iter(query.root()), Vec::<NodePair>::new());
+    for _ in 0..3 {
+        for n in front.drain(..) {
+            if query.children(n, &mut |child| next.push(child)) == 0 {
+                next.push(n);
+            }
+        }
+        std::mem::swap(&mut front, &mut next);
+    }
+    let (mut parts, mut best, mut work) = (Vec::new(), None, Work::default());
+    for n in front {
+        best = query.first_impact_below(n, &mut Work::default(), best);
+        let _ = query.visit_below(n, &mut work, |pair, impact| {
+            parts.push((pair, impact));
+            ControlFlow::Continue(())
+        });
+    }
+    parts.sort_by_key(|hit| hit.0);
+    assert_eq!(parts, every);
+    assert_eq!(best.as_ref(), first);
+}
+
+#[test]
+fn rigid_bodies_as_every_pair() {
+    let mut rng = seeded(60);
+    let mut hits = 0;
+    for round in 0..rounds().min(400) {
+        let soups = [(); 2].map(|()| {
+            let n = rng.random_range(1..40);
+            Soup::new(&mut rng, n, 0.2)
+        });
+        let mut pose = || {
+            let (sin, cos) = rng.random_range(-0.5..0.5_f64).sin_cos();
+            let t = [0; 3].map(|_| rng.random_range(-1.0..1.0));
+            Pose64::new([[cos, -sin, 0.0, t[0]], [sin, cos, 0.0, t[1]], [0.0, 0.0, 1.0, t[2]]])
+        };
+        let [a, b] = soups.each_ref().map(|soup| {
+            let [start, end] = [pose(), pose()].map(|pose| match round % 2 {
+                0 => {
+                    let rows = pose.rows.map(|row| row.map(|x| x as f32));
+                    PosedBvh::new(soup.bvh(), &Pose::new(rows)).unwrap()
+                }
+                _ => PosedBvh::in_f64(soup.bvh(), &pose).unwrap(),
+            });
+            MovingBvh::new(start, end).unwrap()
+        });
+        let query = PairBvtt::moving(a, b);
+        let mut every = Vec::new();
+        for a in 0..soups[0].triangles.len() as u32 {
+            for b in 0..soups[1].triangles.len() as u32 {
+                let pair = TrianglePair { a, b };
+                every.extend(query.impact(pair).map(|impact| (pair, impact)));
+            }
+        }
+        hits += every.len();
+        check(&query, &every);
+    }
+    assert!(cfg!(miri) || hits > 500, "{hits}");
+}
+
+#[test]
+fn deforming_meshes_as_every_pair() {
+    let mut rng = seeded(61);
+    let (mut hits, mut proven) = (0, 0);
+    for _ in 0..rounds().min(400) {
+        let n = rng.random_range(1..60);
+        let start = Soup::new(&mut rng, n, 0.1);
+        let by = [0.0, 0.01, 0.3][rng.random_range(0..3_usize)];
+        let end =
+            start.moved(|p| p.map(|x| if by > 0.0 { x + rng.random_range(-by..by) } else { x }));
+        let motion = MovingBvh::new(at_rest(&start), at_rest(&end)).unwrap();
+        for adjacency in [Adjacency::SharedIndexRule, Adjacency::SkipNeighbours] {
+            let query = SelfBvtt::moving(motion).with_adjacency(adjacency);
+            let mut every = Vec::new();
+            for a in 0..n as u32 {
+                for b in a + 1..n as u32 {
+                    let pair = TrianglePair { a, b };
+                    every.extend(query.impact(pair).map(|impact| (pair, impact)));
+                    let alone = impact_in_mesh(start.mesh(), end.mesh(), a, b, adjacency);
+                    if alone.is_some_and(Impact::is_proven) {
+                        assert_eq!(
+                            every.last().map(|hit| hit.0),
+                            Some(pair),
+                            "its boxes do not overlap"
+                        );
+                    }
+                    if by == 0.0 {
+                        let now = intersects_in_mesh(start.mesh(), a, b, adjacency);
+                        assert_eq!(alone, now.then_some(Impact { from: 0.0, to: 0.0 }));
+                    }
+                }
+            }
+            (hits, proven) =
+                (hits + every.len(), proven + every.iter().filter(|hit| hit.1.is_proven()).count());
+            check(&query, &every);
+        }
+    }
+    assert!(cfg!(miri) || hits > 2_000 && proven * 100 > hits * 99, "{proven} of {hits}");
+}
+
+/// A motion common to both bodies changes nothing but roundings: none of integers.
+#[test]
+fn a_common_motion_changes_nothing() {
+    let mut rng = seeded(62);
+    let soup = Soup::new(&mut rng, 50, 0.2).moved(|p| p.map(|x| (x * 64.0).round()));
+    let at = |t: [f32; 3]| PosedBvh::new(soup.bvh(), &Pose::from_translation(t)).unwrap();
+    let found = |common: [f32; 3]| {
+        let end = |t: [f32; 3]| at([0, 1, 2].map(|k| t[k] + common[k]));
+        let a = MovingBvh::new(at([0.0; 3]), end([0.0; 3])).unwrap();
+        let b = MovingBvh::new(at([0.0, 90.0, 1.0]), end([3.0, -90.0, 0.0])).unwrap();
+        let mut found = Vec::new();
+        let _ = PairBvtt::moving(a, b).visit(|pair, impact| {
+            found.push((pair, impact));
+            ControlFlow::Continue(())
+        });
+        found.sort_by_key(|hit: &Hit| hit.0);
+        found
+    };
+    let pairs = |hits: &[Hit]| hits.iter().map(|hit| hit.0).collect::<Vec<_>>();
+    assert_eq!(pairs(&found([512.0, -1024.0, 7.0])), pairs(&found([0.0; 3])));
+    assert!(found([0.0; 3]).len() > 100);
+}
+
+#[test]
+fn what_is_no_motion_is_refused() {
+    let (mut rng, other) = (seeded(63), &mut seeded(64));
+    let (soup, mut changed) = (Soup::new(&mut rng, 9, 0.2), Soup::new(other, 9, 0.2));
+    let refused = |soup: &Soup, other: &Soup| MovingBvh::new(at_rest(soup), at_rest(other)).err();
+    assert_eq!(refused(&soup, &soup), None);
+    changed.triangles = soup.triangles.clone();
+    changed.triangles[5] = [0, 1, 0];
+    assert_eq!(refused(&soup, &changed), Some(MotionError::Triangle { triangle: 5 }));
+    changed.triangles = soup.triangles.clone();
+    changed.order = soup.order.iter().rev().copied().collect();
+    assert!(matches!(refused(&soup, &changed), Some(MotionError::Order { .. })));
+    let fewer = Soup::new(&mut rng, 8, 0.2);
+    assert!(matches!(refused(&soup, &fewer), Some(MotionError::Triangle { .. })));
+}
