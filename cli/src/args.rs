@@ -24,6 +24,7 @@ Examples:
   pfront pairs a.obj b.stl --out hits.ply         the same, to look at
   pfront any a.obj b.stl && echo they touch
   pfront distance a.obj b.stl                     how far apart they are, and where
+  pfront impacts wall.obj ball.obj --translate-end 0,0,-2   what the ball hits on its way, and when
   pfront self cloth.ply --csv > folds.csv
   pfront scene room.glb --ignore 'Lid*' Box       the bodies of a scene that meet, by name
   pfront scene room.glb --bodies --within 0.5     the bodies that are at most so far apart
@@ -84,6 +85,12 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// List the triangle pairs of two moving meshes, or of one that deforms, that meet on the way, and when
+    ///
+    /// Every vertex goes in a straight line, from its place at time 0 to that at time 1. Prints for each pair the time before which it does
+    /// not meet and that before which it certainly does; inf if that is open, as where triangles touch and do not pass. No pair is
+    /// missed. CPUs answer. With --first, the pair that meets first alone; the exit code is 1 if none does.
+    Impacts(Impacts),
     /// List the self-intersections of meshes, each by itself
     ///
     /// Triangles count from 0, in the order of their file.
@@ -328,6 +335,53 @@ pub(crate) struct SelfCollision {
     pub(crate) listing: Listing,
     #[command(flatten)]
     pub(crate) executor: ExecutorArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Impacts {
+    /// The first mesh at time 0
+    pub(crate) a: PathBuf,
+    /// The second; without it, the first is asked about itself
+    pub(crate) b: Option<PathBuf>,
+    /// The first mesh at time 1, with the same triangles; without it, it stays
+    #[arg(long, value_name = "FILE")]
+    pub(crate) end_a: Option<PathBuf>,
+    /// The second mesh at time 1
+    #[arg(long, value_name = "FILE", requires = "b", conflicts_with_all = ["pose_end", "translate_end"])]
+    pub(crate) end_b: Option<PathBuf>,
+    /// Pose of the second mesh at time 1: 12 numbers separated by commas, a 3×4 matrix row by row
+    #[arg(
+        long,
+        value_name = "M",
+        allow_hyphen_values = true,
+        requires = "b",
+        conflicts_with = "translate_end"
+    )]
+    #[arg(value_parser = matrix)]
+    pose_end: Option<[f64; 12]>,
+    /// Move the second mesh by this until time 1
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "b")]
+    #[arg(value_parser = numbers::<3>)]
+    translate_end: Option<[f64; 3]>,
+    /// Only the pair that meets first
+    #[arg(long)]
+    pub(crate) first: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+    #[command(flatten)]
+    pub(crate) executor: ExecutorArgs,
+}
+
+impl Impacts {
+    /// The pose of the second mesh at time 1.
+    pub(crate) fn pose(&self) -> Pose64 {
+        let [x, y, z] = self.translate_end.unwrap_or_default();
+        let m = self.pose_end.unwrap_or([1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, y, 0.0, 0.0, 1.0, z]);
+        Pose64::new([0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]))
+    }
 }
 
 #[derive(Debug, Args)]

@@ -66,6 +66,7 @@ fn main() -> ExitCode {
         Some(Command::Distance { meshes, executor, json }) => {
             command::distance::run(&meshes, &executor, json)
         }
+        Some(Command::Impacts(asked)) => command::impacts::run(&asked),
         Some(Command::SelfCollision(asked)) => command::self_collision::run(&asked),
         Some(Command::Scene(asked)) => command::scene::run(&asked),
         Some(Command::Check(asked)) => command::check::run(&asked),

@@ -8,6 +8,8 @@ mod bake;
 mod check;
 #[path = "command/gpu.rs"]
 mod gpu;
+#[path = "command/impacts.rs"]
+mod impacts;
 #[path = "command/input.rs"]
 mod input;
 #[path = "command/names.rs"]

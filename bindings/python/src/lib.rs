@@ -16,6 +16,7 @@ mod ending;
 mod errors;
 mod executor;
 mod files;
+mod impacts;
 mod lock;
 mod memory;
 mod model;
@@ -55,6 +56,8 @@ mod _pfront {
     use crate::executor::{Executor, adapters};
     #[pymodule_export]
     use crate::files::read;
+    #[pymodule_export]
+    use crate::impacts::impacts;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

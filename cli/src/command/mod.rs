@@ -6,6 +6,7 @@ pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod devices;
 pub(crate) mod distance;
+pub(crate) mod impacts;
 mod knot;
 pub(crate) mod pairs;
 pub(crate) mod scene;

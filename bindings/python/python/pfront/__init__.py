@@ -1,7 +1,7 @@
 """Every intersecting triangle pair of two meshes, or within one: exact, sorted, fast.
 
 Meshes are surfaces, not solids: a box inside another does not touch it, and does not collide; `relation` and `check` ask about solids. A
-question is about one instant, not about a motion. Touching counts, and there is no tolerance, unless `within` asks for pairs at most so far apart.
+question is about one instant, but for `impacts`. Touching counts, and there is no tolerance, unless `within` asks for pairs at most so far apart.
 
     Meshes
       Mesh                                                  a triangle mesh of arrays, of a file, or of trimesh, pyvista, Open3D, meshio
@@ -19,6 +19,8 @@ question is about one instant, not about a motion. Touching counts, and there is
       distance                                              how far apart they are: an interval, the nearest faces and points
       relation                                              what one solid is to another, in a word: touching, crossing, inside, ...
       overlap_volume                                        the volume that two solids have in common: an interval
+      impacts                                               which faces meet while meshes move, and when
+      first_impact                                          the faces that meet first
       sweep                                                 any of these for many poses, one by one, on other processes too
       part, Part                                            one of n parts of a large question
     Questions about one mesh, and points
@@ -47,6 +49,8 @@ question is about one instant, not about a motion. Touching counts, and there is
       ContactPatch.pairs, .points, .segments                the faces, and where that is
       Gap, Gap.interval, .pair, .points, .distance          the smallest distance
       Gaps, Gaps.intervals, .pairs, .points, .distances     arrays with a row for each pose
+      Impacts, Impacts.pairs, .start, .end, .proven         arrays with a row for each pair
+      Impact, Impact.pair, .start, .end, .proven            one of them
       Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
       CheckReport, CheckReport.pairs, .allowed, .counts     of an assembly
       CheckReport.refused, .to_dict                         bodies that are no solids; columns, for pandas
@@ -87,17 +91,17 @@ from ._errors import BlobError, DeviceError, MeshError, NotSolid, PoseError, Sta
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
 from ._questions import (
-    ContactPatch, Contacts, Gap, Gaps, Part, Ragged, collides, contacts, count, distance, first, inside, overlap_volume, pairs,
-    part, patches, relation, segment, segment_first, sweep,
+    ContactPatch, Contacts, Gap, Gaps, Impact, Impacts, Part, Ragged, collides, contacts, count, distance, first, first_impact, impacts,
+    inside, overlap_volume, pairs, part, patches, relation, segment, segment_first, sweep,
 )  # fmt: skip
 from ._scene import Hits, Scene, SceneContacts, check
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
-    "BlobError", "CheckReport", "CheckedPair", "ContactPatch", "ContactSize", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Mesh", "MeshError", "NotSolid",
+    "BlobError", "CheckReport", "CheckedPair", "ContactPatch", "ContactSize", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Impact", "Impacts", "Mesh", "MeshError", "NotSolid",
     "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "bodies", "check", "collides", "compat", "contacts",
-    "count", "devices", "distance", "explain", "first", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
+    "count", "devices", "distance", "explain", "first", "first_impact", "impacts", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
     "segment", "segment_first", "show", "sweep", "using",
 ]  # fmt: skip
 

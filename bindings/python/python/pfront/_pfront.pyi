@@ -7,7 +7,7 @@ from ._errors import NotSolid
 from ._questions import Progress, Relation
 
 __all__ = [
-    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
+    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "impacts", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
     "segment", "segment_first",
 ]
 
@@ -106,6 +106,9 @@ def segment(model: Model, ends: tuple[_Point, _Point], on: Executor) -> _Along: 
 def segment_first(
     model: Model, starts: npt.NDArray[np.float64], ends: npt.NDArray[np.float64], on: Executor
 ) -> tuple[_Ids, npt.NDArray[np.float64]]: ...
+def impacts(
+    a: Model, a_end: Model | None, b: Model | None, b_end: Model | None, poses: tuple[Any, Any], first: bool, on: Executor
+) -> tuple[_Pairs, npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 def patches(a: Model, b: Model, pose: Any, on: Executor) -> list[_Patch]: ...
 def overlap_volume(
     a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None

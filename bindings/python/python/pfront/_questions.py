@@ -20,7 +20,7 @@ from ._settings import current
 
 __all__ = [
     "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "patches", "inside", "segment",
-    "segment_first", "ContactPatch", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
+    "segment_first", "impacts", "first_impact", "Impact", "Impacts", "ContactPatch", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], Any]
@@ -834,6 +834,153 @@ def segment_first(mesh: MeshLike, starts: Any, ends: Any) -> tuple[_Counts, _Flo
     given = np.broadcast_arrays(*(np.atleast_2d(_points(of, what)) for of, what in ((starts, "starts"), (ends, "ends"))))
     first, last = (np.ascontiguousarray(of) for of in given)
     return _pfront.segment_first(_one(mesh), first, last, current())
+
+
+@dataclass(frozen=True)
+class Impact:
+    """When two faces meet first, as far as it is proven.
+
+    Attributes
+    ----------
+    pair : (int, int)
+        The faces.
+    start : float
+        They do not meet before this time.
+    end : float
+        They certainly meet between `start` and this; inf if that is open, as where they touch and do not pass.
+    """
+
+    pair: tuple[int, int]
+    start: float
+    end: float
+
+    @property
+    def proven(self) -> bool:
+        return self.end < np.inf
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Impacts:
+    """Pairs of faces that meet on the way, and when: arrays of one length.
+
+    Attributes
+    ----------
+    pairs : ndarray of uint32, shape (n, 2)
+        The faces, sorted.
+    start, end : ndarray of float64, shape (n,)
+        As those of `Impact`.
+    """
+
+    pairs: _Pairs
+    start: _Floats
+    end: _Floats
+
+    @property
+    def proven(self) -> _Bools:
+        return self.end < np.inf
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def __repr__(self) -> str:
+        return f"Impacts({len(self)} pairs)"
+
+
+def _end(mesh: MeshLike, end: Any) -> _pfront.Model | None:
+    if end is None:
+        return None
+    mesh = mesh if isinstance(mesh, Mesh) else Mesh(mesh)
+    return end._model if isinstance(end, Mesh) else mesh.with_vertices(end)._model
+
+
+def _impacts(a: MeshLike, b: MeshLike | None, pose: OnePose, pose_end: OnePose, a_end: Any, b_end: Any, first: bool) -> Impacts:
+    if b is None:
+        if pose is not None or pose_end is not None or b_end is not None:
+            raise ValueError("pose, pose_end and b_end are those of b, which is not given")
+        if a_end is None:
+            raise ValueError("one mesh alone has to move: a_end says where to")
+    elif b_end is not None and (pose is not None or pose_end is not None):
+        raise ValueError("a mesh that deforms has no pose: give its vertices in the frame of a")
+    first_model, second_model = _two(a, b)
+    second_end = None if b is None else _end(b, b_end)
+    poses = (pose, pose if pose_end is None else pose_end)
+    return Impacts(*_pfront.impacts(first_model, _end(a, a_end), second_model, second_end, poses, first, current()))
+
+
+def impacts(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None
+) -> Impacts:
+    """Find the faces of two moving meshes, or of one that deforms, that meet on the way, and when.
+
+    Every vertex goes in a straight line, from its place at time 0 to that at time 1, also where a pose turns. No pair is missed.
+
+    Parameters
+    ----------
+    a, b : Mesh or what `Mesh` takes
+        The meshes at time 0; without b, a is asked about itself.
+    pose, pose_end : array_like, optional
+        The pose of b in the frame of a at time 0 and at time 1; without the second, b stays.
+    a_end, b_end : Mesh or array_like of shape (n, 3), optional
+        A mesh that deforms: its vertices at time 1, or a mesh of the same faces.
+
+    Returns
+    -------
+    Impacts
+        Pairs, sorted, with the time before which each does not meet and that before which it certainly does. CPUs answer.
+
+    Raises
+    ------
+    ValueError
+        If the faces at both times are not the same, or nothing moves.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> wall = pf.Mesh([[-1, 0, -1], [1, 0, -1], [0, 0, 2]], [[0, 1, 2]])
+    >>> bullet = pf.Mesh([[0, 0, 0], [0.01, 0, 0], [0, 0, 0.01]], [[0, 1, 2]])
+    >>> before, behind = np.eye(4), np.eye(4)
+    >>> before[1, 3], behind[1, 3] = 0.25, -0.75
+    >>> pf.collides(wall, bullet, before) or pf.collides(wall, bullet, behind)
+    False
+    >>> found = pf.impacts(wall, bullet, before, pose_end=behind)
+    >>> found.pairs.tolist(), bool(found.start[0] <= 0.25 <= found.end[0] < 0.250001)
+    ([[0, 0]], True)
+    """
+    return _impacts(a, b, pose, pose_end, a_end, b_end, False)
+
+
+def first_impact(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None
+) -> Impact | None:
+    """Find the faces of two moving meshes, or of one that deforms, that meet first, and when.
+
+    Parameters
+    ----------
+    a, b, pose, pose_end, a_end, b_end
+        As for `impacts`.
+
+    Returns
+    -------
+    Impact or None
+        That with the least `start`, and of several that with the lowest pair; None if nothing meets.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> box, start, end = pf.Mesh(*pf._box()), np.eye(4), np.eye(4)
+    >>> start[0, 3], end[0, 3] = 3, 1.5
+    >>> pf.first_impact(box, box, start, pose_end=end) is None
+    True
+    >>> end[0, 3] = -1
+    >>> first = pf.first_impact(box, box, start, pose_end=end)
+    >>> first.start <= 0.5, first.start > 0.499
+    (True, True)
+    """
+    found = _impacts(a, b, pose, pose_end, a_end, b_end, True)
+    if len(found) == 0:
+        return None
+    x, y = found.pairs[0].tolist()
+    return Impact((x, y), float(found.start[0]), float(found.end[0]))
 
 
 @dataclass(frozen=True)
