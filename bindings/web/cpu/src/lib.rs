@@ -1,0 +1,12 @@
+//! The compiled half of the npm package `pfront`: meshes, and queries about two, about one and itself, and about scenes, all on
+//! the calling thread.
+//!
+//! Typed arrays are copied in and out: a view would be of no use once the memory has grown. Matrices are by columns, as three.js
+//! keeps them. What JavaScript has to check or to make, `js/values.js` and `js/errors.js` do.
+
+mod error;
+mod itself;
+mod mesh;
+mod pair;
+mod scene;
+mod values;
