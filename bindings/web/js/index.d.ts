@@ -33,6 +33,8 @@ export interface PfrontWorker {
   make(name: "PairQuery"): Promise<Remote<PairQuery>>;
   make(name: "SelfQuery", skipNeighbours?: boolean): Promise<Remote<SelfQuery>>;
   make(name: "SceneQuery"): Promise<Remote<SceneQuery>>;
+  /** The milliseconds that the last answer took there. */
+  ms: number;
   /** Ends the Worker; questions under way are refused. */
   close(): void;
 }

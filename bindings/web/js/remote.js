@@ -14,9 +14,10 @@ export async function openWorker(worker = new Worker(new URL("./worker.js", impo
     pending.clear();
   };
   worker.onerror = (event) => fail(new Error(`the worker failed: ${event.message ?? "it did not load"}`));
-  worker.onmessage = ({ data: { call, value, made, fault } }) => {
+  worker.onmessage = ({ data: { call, value, made, fault, ms } }) => {
     const { resolve, reject } = pending.get(call) ?? {};
     pending.delete(call);
+    self.ms = ms;
     if (fault) reject?.(fromPlain(fault));
     else resolve?.(made === undefined ? value : remote(made));
   };
@@ -33,12 +34,14 @@ export async function openWorker(worker = new Worker(new URL("./worker.js", impo
     gone?.register(proxy, () => worker.postMessage({ object: id, method: "free", args: [] }));
     return proxy;
   };
-  await send(undefined, "init", []);
-  return {
+  const self = {
+    ms: 0,
     make: (name, ...args) => send(undefined, name, args),
     close() {
       worker.terminate();
       fail(new Error("the worker is closed"));
     },
   };
+  await send(undefined, "init", []);
+  return self;
 }

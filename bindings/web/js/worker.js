@@ -26,14 +26,16 @@ function act(object, method, args) {
 }
 
 onmessage = async ({ data: { call, object, method, args } }) => {
+  const start = performance.now();
   try {
     const value = await act(object, method, args);
+    const ms = performance.now() - start;
     if ([Mesh, PairQuery, SelfQuery, SceneQuery].some((of) => value instanceof of)) {
       objects.set(++made, value);
-      postMessage({ call, made });
+      postMessage({ call, made, ms });
     } else {
       const arrays = ArrayBuffer.isView(value) ? [value] : Object.values(value ?? {}).filter(ArrayBuffer.isView);
-      postMessage({ call, value }, { transfer: arrays.map((array) => array.buffer) });
+      postMessage({ call, value, ms }, { transfer: arrays.map((array) => array.buffer) });
     }
   } catch (fault) {
     postMessage({ call, fault: toPlain(fault) });

@@ -8,7 +8,7 @@ use pfront::Adjacency;
 use std::mem::take;
 use wasm_bindgen::prelude::*;
 
-/// Asks which triangles of one mesh meet each other. What two triangles share by vertex index is no contact.
+/// Asks which triangles of one mesh meet each other. A vertex or an edge that two share by index is no contact.
 #[wasm_bindgen]
 pub struct SelfQuery(pfront::SelfQuery);
 

@@ -2,7 +2,7 @@
 //! the calling thread.
 //!
 //! Typed arrays are copied in and out: a view would be of no use once the memory has grown. Matrices are by columns, as three.js
-//! keeps them. What JavaScript has to check or to make, `js/values.js` and `js/errors.js` do.
+//! keeps them. `js/values.js` and `js/errors.js` check and make what JavaScript does better.
 
 mod error;
 mod itself;

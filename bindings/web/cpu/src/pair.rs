@@ -92,7 +92,7 @@ impl PairQuery {
         found.map_err(thrown)?.map(|gap| gap_out(&gap, None)).transpose()
     }
 
-    /// What one solid is to the other: `apart`, `near` (after `within`), `touching`, `crossing`, `a_in_b`, `b_in_a` or `equal`;
+    /// Tells in a word what one solid is to the other: `apart`, `near` (after `within`), `touching`, `crossing`, `a_in_b`, `b_in_a` or `equal`;
     /// `undefined` where it hangs on triangles that meet their own mesh. Throws a `NotSolid`, whose `mesh` is `"a"` or `"b"`, with
     /// the `triangle` and its `edge` that is open.
     #[wasm_bindgen(

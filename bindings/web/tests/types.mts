@@ -1,0 +1,19 @@
+// What TypeScript is to accept, and what not.
+import { init, Latest, Mesh, MeshError, openWorker, PairQuery, readFile, SceneQuery, type Contacts, type Gap } from "pfront";
+
+await init();
+const { positions, triangles } = await readFile(new Uint8Array(0));
+const mesh = new Mesh(positions, triangles);
+const contacts: Contacts = new PairQuery().contacts(mesh, Mesh.fromGeometry({ attributes: {}, index: null }), new Float32Array(16));
+const gap: Gap | undefined = new SceneQuery().distance(0);
+const word: "apart" | "near" | "touching" | "crossing" | "a_in_b" | "b_in_a" | "equal" | undefined = new PairQuery().relation(mesh, mesh);
+const worker = await openWorker();
+const [query, remote] = [await worker.make("PairQuery"), await worker.make("Mesh", positions, triangles)];
+const latest = new Latest((matrix: number[]) => query.all(remote, remote, matrix));
+const pairs: Uint32Array | undefined = await latest.ask([]);
+const vertex: number | undefined = new MeshError().vertex;
+// @ts-expect-error: numbers are no positions.
+new Mesh([0, 0, 0], triangles);
+// @ts-expect-error: a mesh in a Worker is none on this thread.
+new PairQuery().any(remote, mesh);
+export { contacts, gap, word, pairs, vertex };
