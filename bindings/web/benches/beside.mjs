@@ -1,0 +1,51 @@
+// Recorded cases in one page of Chromium, asked by pfront and by three-mesh-bvh: a table of milliseconds, the best of many, and of pairs missed.
+// Argument: the folder of the data. The site is built before: ./build-site.
+import { chromium } from "playwright-core";
+import { serve } from "../tests/serve.mjs";
+
+const { server, url } = await serve({ "": "site", tests: "tests", data: process.argv[2] });
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+const page = await browser.newPage();
+page.on("console", (message) => console.log(message.text()));
+await page.goto(`${url}/tests/blank.html`);
+await page.evaluate(async () => {
+  const { init, Mesh, PairQuery } = await import("/pfront/index.js");
+  const { cases, load } = await import("/tests/cases.js");
+  const { bvhOf, cast, compare, geometryOf, posed } = await import("/beside.js");
+  await init();
+  const timed = (times, act) => {
+    const all = Array.from({ length: times }, () => {
+      const start = performance.now();
+      act();
+      return performance.now() - start;
+    });
+    return Math.min(...all);
+  };
+  const ms = (x) => (x < 10 ? x.toFixed(2) : x.toFixed(0));
+  console.log("| case | pairs | `all` | `contacts` | build | bvhcast, leaves of 10 | of 4 | build | missed | wrong |");
+  console.log("|---|---|---|---|---|---|---|---|---|---|");
+  for (const one of await cases()) {
+    const { meshes, matrix, truth } = await load(one);
+    if (matrix) meshes[1].positions = posed(meshes[1].positions, matrix);
+    const times = truth.length > 20_000 ? 5 : 15;
+    const build = timed(3, () => new Mesh(meshes[0].positions, meshes[0].triangles).free());
+    const [a, b] = meshes.map((mesh) => new Mesh(mesh.positions, mesh.triangles));
+    const query = new PairQuery();
+    const ask = (verb) => timed(2 * times, () => (query.forget(), query[verb](a, b)));
+    const own = [ask("all"), ask("contacts")];
+    const geometries = meshes.map((mesh) => geometryOf(mesh.positions, mesh.triangles));
+    const others = [10, 4].map((leaf) => {
+      const start = performance.now();
+      const [s, t] = geometries.map((geometry) => bvhOf(geometry, leaf));
+      const built = (performance.now() - start) / 2;
+      const all = Array.from({ length: times }, () => cast(s, t)).sort((x, y) => x.ms - y.ms);
+      return { built, ms: all[0].ms, ...compare(truth, all[0].pairs) };
+    });
+    const row = [truth.length / 2, ...own.map(ms), ms(build), ms(others[0].ms), ms(others[1].ms), ms(others[0].built), others[0].missed, others[0].invented];
+    console.log(`| ${one.name} | ${row.join(" | ")} |`);
+    for (const mesh of [a, b]) mesh.free();
+  }
+});
+console.log(`${browser.version()}, Chromium, headless`);
+await browser.close();
+server.close();
