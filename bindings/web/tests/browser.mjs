@@ -21,10 +21,10 @@ page.on("pageerror", (fault) => faults.push(fault.message));
 page.on("request", (request) => request.url().startsWith(url) || /^(blob|data):/.test(request.url()) || faults.push(request.url()));
 
 if (data) {
-  for (const inWorker of [false, true]) {
-    const counts = await page.evaluate(async (inWorker) => (await import("/tests/cases.js")).check(inWorker), inWorker);
+  for (const of of ["all", "small", "worker"]) {
+    const counts = await page.evaluate(async (of) => (await import("/tests/cases.js")).check(of), of);
     const all = Object.values(counts).reduce((sum, count) => sum + count, 0);
-    console.log(`${inWorker ? "in a Worker" : "on the page's thread"}: the recorded ${all} pairs of ${Object.keys(counts).length} cases`);
+    console.log(`${of}: the recorded ${all} pairs of ${Object.keys(counts).length} cases`);
   }
 }
 

@@ -1,6 +1,9 @@
 // In a page: recorded cases, asked on this thread or in a Worker. `/data` is the folder with `oracle`.
 
-import { init, Mesh, openWorker, PairQuery, readFile } from "/pfront/index.js";
+import * as all from "/pfront/index.js";
+import * as small from "/pfront/small.js";
+
+const { openWorker, readFile } = all;
 
 export const bytes = async (path) => new Uint8Array(await (await fetch(`/data/${path}`)).arrayBuffer());
 export const cases = async () => (await fetch("/data/oracle/cases.json")).json();
@@ -17,10 +20,11 @@ export async function load({ name, a, b, rotation_row_major: r, translation: t }
   return { meshes: [first, second], matrix, truth };
 }
 
-/** Asks every case, and returns the number of pairs of each; throws where they are not the true ones. */
-export async function check(inWorker) {
+/** Asks every case of a module, "all" or "small", or of "all" in a Worker, and returns the number of pairs of each; throws where they are not the true ones. */
+export async function check(of) {
+  const { init, Mesh, PairQuery } = of === "small" ? small : all;
   await init();
-  const worker = inWorker && (await openWorker());
+  const worker = of === "worker" && (await openWorker());
   const make = (mesh) => (worker ? worker.make("Mesh", mesh.positions, mesh.triangles) : new Mesh(mesh.positions, mesh.triangles));
   const query = worker ? await worker.make("PairQuery") : new PairQuery();
   const counts = {};

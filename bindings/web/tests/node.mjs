@@ -93,4 +93,27 @@ assert.ok(new pf.MeshError() instanceof pf.PfrontError);
 // One question under way, and the latest that waits.
 const latest = new pf.Latest(async (x) => x);
 assert.deepEqual(await Promise.all([1, 2, 3].map((x) => latest.ask(x))), [1, undefined, 3]);
+// The small module: the same, without what it lacks.
+const small = await import("pfront/small");
+await small.init();
+const twin = new small.Mesh(corners, tetrahedron);
+const few = new small.PairQuery();
+const turned = at(0.25, 0.125, 0.0625);
+assert.deepEqual(few.contacts(twin, twin, turned), new pf.PairQuery().contacts(solid, solid, turned));
+assert.deepEqual(few.all(twin, twin, turned), crossing);
+assert.equal(few.count(twin, twin, turned), crossing.length / 2);
+assert.equal(few.any(twin, twin, at(2)), undefined);
+const folded = small.Mesh.fromBlob(fold.toBlob());
+assert.deepEqual(new small.SelfQuery().all(folded), itself.all(fold));
+assert.equal(new small.SelfQuery(true).contacts(folded).pairs.length, 2);
+assert.deepEqual(folded.toBlob(), fold.toBlob());
+folded.setPositions(new Float32Array([0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, 2, 1, 1, 3, 9, 9, 9]));
+assert.equal(new small.SelfQuery().any(folded), undefined);
+assert.equal(small.Mesh.fromGeometry(geometry).vertexCount, 4);
+fails(() => new small.Mesh(new Float64Array(9), new Uint32Array([0, 1, 2])), { name: "PfrontError" });
+fails(() => small.Mesh.fromBlob(far(1).toBlob()), { name: "PfrontError" });
+fails(() => new small.Mesh(corners, new Uint32Array([0, 1, 4])), { name: "MeshError", triangle: 0 });
+fails(() => folded.setPositions(new Float32Array([NaN, ...Array(17).fill(0)])), { name: "MeshError", vertex: 0 });
+fails(() => few.count(twin, twin, at(Infinity)), { name: "PoseError", row: 0 });
+fails(() => few.count(twin, twin, new Float64Array(at(1))), { name: "PfrontError" });
 console.log("node: every question, error and file");

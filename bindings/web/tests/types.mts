@@ -1,7 +1,11 @@
 // What TypeScript is to accept, and what not.
 import { init, Latest, Mesh, MeshError, openWorker, PairQuery, readFile, SceneQuery, type Contacts, type Gap } from "pfront";
 
+import * as small from "pfront/small";
+
 await init();
+await small.init();
+const few: Uint32Array = new small.PairQuery().all(new small.Mesh(new Float32Array(0), new Uint32Array(0)), new small.Mesh(new Float32Array(0), new Uint16Array(0)));
 const { positions, triangles } = await readFile(new Uint8Array(0));
 const mesh = new Mesh(positions, triangles);
 const contacts: Contacts = new PairQuery().contacts(mesh, Mesh.fromGeometry({ attributes: {}, index: null }), new Float32Array(16));
@@ -16,4 +20,4 @@ const vertex: number | undefined = new MeshError().vertex;
 new Mesh([0, 0, 0], triangles);
 // @ts-expect-error: a mesh in a Worker is none on this thread.
 new PairQuery().any(remote, mesh);
-export { contacts, gap, word, pairs, vertex };
+export { few, contacts, gap, word, pairs, vertex };

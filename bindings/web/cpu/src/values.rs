@@ -1,8 +1,10 @@
 //! Values that come from JavaScript, and those that go there.
 
-use crate::error::thrown;
+use crate::error::of_memory;
 use js_sys::{Float32Array, Float64Array, Uint8Array, Uint32Array};
-use pfront::{AnyPose, Contact, Distance, Error, Gap, Pose, Pose64, TrianglePair};
+use pfront_core::Pose;
+use pfront_core::bvtt::TrianglePair;
+use pfront_core::triangle::Contact;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(raw_module = "./values.js")]
@@ -19,10 +21,6 @@ extern "C" {
     /// Columns of contacts.
     #[wasm_bindgen(typescript_type = "Contacts")]
     pub type Contacts;
-    /// The smallest distance.
-    #[wasm_bindgen(typescript_type = "Gap")]
-    pub type JsGap;
-
     #[wasm_bindgen(catch, js_name = isF64)]
     fn is_f64(positions: &JsValue) -> Result<bool, JsValue>;
     #[wasm_bindgen(catch)]
@@ -35,8 +33,6 @@ extern "C" {
     fn copy_u32(list: &[u32]) -> Result<Uint32Array, JsValue>;
     #[wasm_bindgen(catch, js_name = copyF32)]
     fn copy_f32(list: &[f32]) -> Result<Float32Array, JsValue>;
-    #[wasm_bindgen(catch, js_name = copyF64)]
-    fn copy_f64(list: &[f64]) -> Result<Float64Array, JsValue>;
     #[wasm_bindgen(catch, js_name = copyU8)]
     fn copy_u8(list: &[u8]) -> Result<Uint8Array, JsValue>;
     #[wasm_bindgen(catch)]
@@ -47,13 +43,6 @@ extern "C" {
         flat: &[u8],
         bodies: Option<&[u32]>,
     ) -> Result<Contacts, JsValue>;
-    #[wasm_bindgen(catch)]
-    fn gap(
-        pair: &[u32],
-        interval: &[f64],
-        points: &[f64],
-        body: Option<u32>,
-    ) -> Result<JsGap, JsValue>;
 }
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -74,37 +63,17 @@ export interface Contacts {
   flat: Uint8Array;
   /** Of a scene: two bodies a row. */
   bodies?: Uint32Array;
-}
-/** The smallest distance of two meshes, and where it is. */
-export interface Gap {
-  /** The least and the greatest that it can be; both 0 where triangles intersect. */
-  interval: Float64Array;
-  /** The nearest triangles. */
-  pair: Uint32Array;
-  /** The nearest points of both, six numbers. */
-  points: Float64Array;
-  /** Of a scene: the nearest body. */
-  body?: number;
 }";
 
-/// Coordinates in the precision in which they were given.
-pub(crate) enum Coordinates {
-    F32(Vec<[f32; 3]>),
-    F64(Vec<[f64; 3]>),
-}
-
-pub(crate) fn coordinates(positions: &Positions) -> Result<Coordinates, JsValue> {
-    Ok(if is_f64(positions)? {
-        let given: &Float64Array = positions.unchecked_ref();
-        let mut list = zeros(given.length() as usize / 3, [0.0; 3])?;
-        given.copy_to(list.as_flattened_mut());
-        Coordinates::F64(list)
-    } else {
-        let given: &Float32Array = positions.unchecked_ref();
-        let mut list = zeros(given.length() as usize / 3, [0.0; 3])?;
-        given.copy_to(list.as_flattened_mut());
-        Coordinates::F32(list)
-    })
+/// Positions of f32, or none if they are of f64.
+pub(crate) fn coordinates_f32(positions: &Positions) -> Result<Option<Vec<[f32; 3]>>, JsValue> {
+    if is_f64(positions)? {
+        return Ok(None);
+    }
+    let given: &Float32Array = positions.unchecked_ref();
+    let mut list = zeros(given.length() as usize / 3, [0.0; 3])?;
+    given.copy_to(list.as_flattened_mut());
+    Ok(Some(list))
 }
 
 pub(crate) fn corners(triangles: &Triangles) -> Result<Vec<[u32; 3]>, JsValue> {
@@ -121,21 +90,19 @@ pub(crate) fn octets(given: &JsValue) -> Result<Vec<u8>, JsValue> {
     Ok(list)
 }
 
-/// The pose of a matrix: in f64 if that is a `Float64Array`, and rounded to f32 if not; without one, the identity.
-pub(crate) fn pose(matrix: Option<&Matrix>) -> Result<AnyPose, JsValue> {
-    let Some(matrix) = matrix else { return Ok(Pose::IDENTITY.into()) };
-    let (given, mut columns) = (numbers(matrix)?, [0.0; 16]);
-    given.copy_to(&mut columns);
-    Ok(if matrix.is_instance_of::<Float64Array>() {
-        Pose64::from_cols_array(&columns).into()
-    } else {
-        Pose::from_cols_array(&columns.map(|x| x as f32)).into()
-    })
+/// The entries of a matrix, and whether they are in f64; without one, the identity.
+pub(crate) fn columns(matrix: Option<&Matrix>) -> Result<([f64; 16], bool), JsValue> {
+    let mut columns = [0.0; 16];
+    let Some(matrix) = matrix else {
+        [0, 5, 10, 15].into_iter().for_each(|i| columns[i] = 1.0);
+        return Ok((columns, false));
+    };
+    numbers(matrix)?.copy_to(&mut columns);
+    Ok((columns, matrix.is_instance_of::<Float64Array>()))
 }
 
-/// The least distance in f32 that is not less than this one.
-pub(crate) fn distance(given: f64) -> Result<f32, JsValue> {
-    Distance::at_least(given).map(Distance::get).map_err(thrown)
+pub(crate) fn pose_f32(columns: &[f64; 16]) -> Pose {
+    Pose::from_cols_array(&columns.map(|x| x as f32))
 }
 
 pub(crate) fn pairs_out(pairs: &[TrianglePair]) -> Result<Uint32Array, JsValue> {
@@ -148,10 +115,6 @@ pub(crate) fn u32_out(list: &[u32]) -> Result<Uint32Array, JsValue> {
 
 pub(crate) fn f32_out(list: &[f32]) -> Result<Float32Array, JsValue> {
     copy_f32(list)
-}
-
-pub(crate) fn f64_out(list: &[f64]) -> Result<Float64Array, JsValue> {
-    copy_f64(list)
 }
 
 pub(crate) fn bytes_out(list: &[u8]) -> Result<Uint8Array, JsValue> {
@@ -175,21 +138,98 @@ pub(crate) fn contacts_out<'c>(
     contacts(bytemuck::cast_slice(&pairs), segments, normals, &flat, bodies)
 }
 
-pub(crate) fn gap_out(found: &Gap, body: Option<u32>) -> Result<JsGap, JsValue> {
-    let pair = [found.pair.a, found.pair.b];
-    gap(&pair, &found.interval, found.points.as_flattened(), body)
-}
-
 /// An empty list with room for so many.
 pub(crate) fn list<T>(n: usize) -> Result<Vec<T>, JsValue> {
     let mut list = Vec::new();
     let needed = n.saturating_mul(size_of::<T>());
-    list.try_reserve_exact(n).map_err(|_| thrown(Error::Memory { needed }))?;
+    list.try_reserve_exact(n).map_err(|_| of_memory(needed))?;
     Ok(list)
 }
 
-fn zeros<T: Clone>(n: usize, zero: T) -> Result<Vec<T>, JsValue> {
+pub(crate) fn zeros<T: Clone>(n: usize, zero: T) -> Result<Vec<T>, JsValue> {
     let mut list = list(n)?;
     list.resize(n, zero);
     Ok(list)
+}
+
+#[cfg(feature = "all")]
+pub(crate) use all::*;
+
+/// Distances, and coordinates in f64.
+#[cfg(feature = "all")]
+mod all {
+    use super::{Matrix, Positions, columns, coordinates_f32, pose_f32, zeros};
+    use crate::error::thrown;
+    use js_sys::Float64Array;
+    use pfront::{AnyPose, Distance, Gap, Pose64};
+    use wasm_bindgen::prelude::*;
+
+    #[wasm_bindgen(raw_module = "./values.js")]
+    extern "C" {
+        /// The smallest distance.
+        #[wasm_bindgen(typescript_type = "Gap")]
+        pub type JsGap;
+
+        #[wasm_bindgen(catch, js_name = copyF64)]
+        fn copy_f64(list: &[f64]) -> Result<Float64Array, JsValue>;
+        #[wasm_bindgen(catch)]
+        fn gap(
+            pair: &[u32],
+            interval: &[f64],
+            points: &[f64],
+            body: Option<u32>,
+        ) -> Result<JsGap, JsValue>;
+    }
+
+    #[wasm_bindgen(typescript_custom_section)]
+    const TYPES: &str = r"
+/** The smallest distance of two meshes, and where it is. */
+export interface Gap {
+  /** The least and the greatest that it can be; both 0 where triangles intersect. */
+  interval: Float64Array;
+  /** The nearest triangles. */
+  pair: Uint32Array;
+  /** The nearest points of both, six numbers. */
+  points: Float64Array;
+  /** Of a scene: the nearest body. */
+  body?: number;
+}";
+
+    /// Coordinates in the precision in which they were given.
+    pub(crate) enum Coordinates {
+        F32(Vec<[f32; 3]>),
+        F64(Vec<[f64; 3]>),
+    }
+
+    pub(crate) fn coordinates(positions: &Positions) -> Result<Coordinates, JsValue> {
+        if let Some(list) = coordinates_f32(positions)? {
+            return Ok(Coordinates::F32(list));
+        }
+        let given: &Float64Array = positions.unchecked_ref();
+        let mut list = zeros(given.length() as usize / 3, [0.0; 3])?;
+        given.copy_to(list.as_flattened_mut());
+        Ok(Coordinates::F64(list))
+    }
+
+    /// The pose of a matrix: in f64 if that is a `Float64Array`, and rounded to f32 if not; without one, the identity.
+    pub(crate) fn pose(matrix: Option<&Matrix>) -> Result<AnyPose, JsValue> {
+        Ok(match columns(matrix)? {
+            (columns, true) => Pose64::from_cols_array(&columns).into(),
+            (columns, false) => pose_f32(&columns).into(),
+        })
+    }
+
+    /// The least distance in f32 that is not less than this one.
+    pub(crate) fn distance(given: f64) -> Result<f32, JsValue> {
+        Distance::at_least(given).map(Distance::get).map_err(|fault| thrown(fault.into()))
+    }
+
+    pub(crate) fn f64_out(list: &[f64]) -> Result<Float64Array, JsValue> {
+        copy_f64(list)
+    }
+
+    pub(crate) fn gap_out(found: &Gap, body: Option<u32>) -> Result<JsGap, JsValue> {
+        let pair = [found.pair.a, found.pair.b];
+        gap(&pair, &found.interval, found.points.as_flattened(), body)
+    }
 }
