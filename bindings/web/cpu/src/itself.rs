@@ -1,8 +1,9 @@
 //! One mesh with itself.
 
-use crate::error::thrown;
 use crate::mesh::Mesh;
-use crate::values::{Contacts, contacts_out, distance, pairs_out};
+use crate::thrown::thrown;
+use crate::values::{Contacts, contacts_out, pairs_out};
+use crate::wide::distance;
 use js_sys::Uint32Array;
 use pfront::Adjacency;
 use std::mem::take;

@@ -1,18 +1,14 @@
 //! The compiled half of the npm package `pfront`: meshes, and queries about two, about one and itself, and about scenes, all on
-//! the calling thread. It is compiled twice: with all questions, and small.
+//! the calling thread.
 //!
 //! Typed arrays are copied in and out: a view would be of no use once the memory has grown. Matrices are by columns, as three.js
 //! keeps them. `js/values.js` and `js/errors.js` check and make what JavaScript does better.
 
 mod error;
-#[cfg(feature = "all")]
 mod itself;
-#[cfg(feature = "all")]
 mod mesh;
-#[cfg(feature = "all")]
 mod pair;
-#[cfg(feature = "all")]
 mod scene;
-#[cfg(not(feature = "all"))]
-mod small;
+mod thrown;
 mod values;
+mod wide;

@@ -1,8 +1,8 @@
 //! Meshes with their BVHs.
 
-use crate::error::{not_solid, thrown};
-use crate::values::{Coordinates, Positions, Triangles, bytes_out, coordinates, corners};
-use crate::values::{f32_out, f64_out, octets, u32_out};
+use crate::thrown::{not_solid, thrown};
+use crate::values::{Positions, Triangles, bytes_out, corners, f32_out, octets, u32_out};
+use crate::wide::{Coordinates, coordinates, f64_out};
 use js_sys::{Float64Array, Uint8Array, Uint32Array};
 use pfront::{Model, Solid};
 use std::cell::OnceCell;

@@ -1,9 +1,9 @@
 //! Two meshes.
 
-use crate::error::{not_solid, thrown};
 use crate::mesh::Mesh;
-use crate::values::{Contacts, JsGap, Matrix, contacts_out, distance, f64_out, gap_out};
-use crate::values::{pairs_out, pose};
+use crate::thrown::{not_solid, thrown};
+use crate::values::{Contacts, Matrix, contacts_out, pairs_out};
+use crate::wide::{JsGap, distance, f64_out, gap_out, pose};
 use js_sys::{Float64Array, Uint32Array};
 use pfront::{Error, Relation};
 use std::mem::take;

@@ -1,9 +1,9 @@
 //! Many bodies in one world.
 
-use crate::error::thrown;
 use crate::mesh::Mesh;
-use crate::values::{Contacts, Coordinates, JsGap, Matrix, Positions, contacts_out, coordinates};
-use crate::values::{distance, gap_out, list, pose, u32_out};
+use crate::thrown::thrown;
+use crate::values::{Contacts, Matrix, Positions, contacts_out, list, u32_out};
+use crate::wide::{Coordinates, JsGap, coordinates, distance, gap_out, pose};
 use js_sys::Uint32Array;
 use pfront::{Adjacency, BodyId, BodyOptions, Error, SceneHit};
 use wasm_bindgen::prelude::*;

@@ -1,6 +1,11 @@
 //! The small module: meshes in f32, and which triangles of two, or of one and itself, intersect. It is made of the core alone,
 //! without what f64, distances and solids take.
 
+#[path = "../../cpu/src/error.rs"]
+mod error;
+#[path = "../../cpu/src/values.rs"]
+mod values;
+
 use crate::error::{error, of_mesh, of_pose};
 use crate::values::{Contacts, Matrix, Positions, Triangles, bytes_out, columns, contacts_out};
 use crate::values::{
