@@ -70,7 +70,13 @@ fn other_languages_have_what_the_page_says() {
     let [python, scene] = ["_questions.py", "_scene.py"]
         .map(|file| text(&format!("bindings/python/python/pfront/{file}")));
     let (c, command) = (text("capi/include/pfront.h"), text("cli/src/args.rs"));
+    let web =
+        ["pair.rs", "scene.rs"].map(|file| text(&format!("bindings/web/cpu/src/{file}"))).concat();
     for row in rows(&page, "question") {
+        for name in names(&row[5]) {
+            let is_named = web.contains(&format!("js_name = {name})"));
+            assert!(is_named || web.contains(&format!("pub fn {name}(")), "{name}");
+        }
         for name in names(&row[2]) {
             let definition = format!("def {name}(");
             assert!(python.contains(&definition) || scene.contains(&definition), "{name}");

@@ -165,7 +165,10 @@ function beside(anyway) {
   const [a, b] = state.bodies;
   const [row, { matrix, contacts }] = [$("beside"), state.answer];
   row.className = "";
-  if (!anyway && a.count + b.count > MANY) return (row.textContent = "click to ask");
+  if (!anyway && a.count + b.count > MANY) {
+    Object.assign(row, { textContent: "ask it", className: "ask" });
+    return;
+  }
   a.bvh ??= bvhOf(a.geometry);
   b.bvh ??= b.geometry === a.geometry ? a.bvh : bvhOf(b.geometry);
   const { ms } = cast(a.bvh, b.bvh, new THREE.Matrix4().fromArray(matrix));

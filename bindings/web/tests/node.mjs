@@ -69,6 +69,32 @@ const obj = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 
 const file = await pf.readFile(obj);
 assert.deepEqual([file.triangles, file.positions[8]], [new Uint32Array([0, 1, 2, 0, 2, 3]), Math.fround(0.1)]);
 assert.equal((await pf.readFile(obj, { f64: true })).positions[8], 0.1);
+const text = (lines) => new TextEncoder().encode(lines.join("\n"));
+const points = ["0 0 0", "1 0 0", "0 1 0"];
+const header = ["ply", "format ascii 1.0", "element vertex 3", ...["x", "y", "z"].map((x) => `property float ${x}`)];
+const ply = text([...header, "element face 1", "property list uchar int vertex_indices", "end_header", ...points, "3 0 1 2\n"]);
+const stl = text(["solid a", "facet normal 0 0 1", "outer loop", ...points.map((p) => `vertex ${p}`), "endloop", "endfacet", "endsolid a"]);
+const json = JSON.stringify({
+  asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], buffers: [{ byteLength: 36 }],
+  meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], bufferViews: [{ buffer: 0, byteLength: 36 }],
+  accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] }],
+});
+const chunk = (kind, data) => [...new Uint8Array(new Uint32Array([data.length, kind]).buffer), ...data];
+const chunks = [...chunk(0x4e4f534a, text([json.padEnd(Math.ceil(json.length / 4) * 4)])), ...chunk(0x4e4942, new Uint8Array(corners.slice(0, 9).buffer))];
+const glb = new Uint8Array([...new Uint8Array(new Uint32Array([0x46546c67, 2, 12 + chunks.length]).buffer), ...chunks]);
+const threemf = [
+  "UEsDBBQAAAAIAD07fF2JB20t1QAAAIEBAAAQAAAAM0QvM2Rtb2RlbC5tb2RlbHVPW27DMAy7iuEDRHGK/Qy2e5bUURsNfhS2EqQ9/RxnQPOzH4EASZHU1y14sWIulKKRquvl1eqQJvRiicRGBvKeAj",
+  "JmKao2FiNn5uc3QHEzhrF0gVxOJd25cynAZQpjXO6j4yVTfIBLGWHo1Rf0g7Q6Y0lLdlisTrcfdCxoqrlS8OuJNW1PrrKAZba69mJq2h3hJjYjeyle7b73C2dK/U8dLvWh4PObM43x4c9QrKp51qGZ",
+  "1ouRQ3OdtHB0hGNGBadpt4X8ZDUxBnHwx8r9xR8Hbar9BVBLAwQUAAAACAA9O3xdiBPYBaEAAADuAAAACwAAAF9yZWxzLy5yZWxzZY9NCsIwEIWvEuYAmdSCC2najRu30gsMaZoGmx+SVPT2RkGwuB",
+  "l48958j+mGh1vZXadsg5fQcAFD3131SqUu8mJjZjXhs4SllHhCzGrRjjIPUfvqzCE5KlUmg5HUjYzGgxBHTL8M2DPZSMnoIgHbM7aTC5Ne+WcCu0wSErDxGfVfp7MqhRzmwlVw70Py20yqbMl6U2ub",
+  "FkXzBQL2He4+6V9QSwECFAMUAAAACAA9O3xdiQdtLdUAAACBAQAAEAAAAAAAAAAAAAAAgAEAAAAAM0QvM2Rtb2RlbC5tb2RlbFBLAQIUAxQAAAAIAD07fF2IE9gFoQAAAO4AAAALAAAAAAAAAAAAAA",
+  "CAAQMBAABfcmVscy8ucmVsc1BLBQYAAAAAAgACAHcAAADNAQAAAAA=",
+].join("");
+const zipped = Uint8Array.from(atob(threemf), (c) => c.charCodeAt(0));
+for (const [format, given] of Object.entries({ ply, stl, glb, "3mf": zipped })) {
+  const read = await pf.readFile(given, { format });
+  assert.deepEqual([read.positions, read.triangles], [corners.slice(0, 9), new Uint32Array([0, 1, 2])], format);
+}
 await assert.rejects(pf.readFile(new Uint8Array([1, 2, 3])), { name: "FileError" });
 
 // Errors name what is at fault, and leave all as it was.
