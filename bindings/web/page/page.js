@@ -171,7 +171,9 @@ function beside(anyway) {
   }
   a.bvh ??= bvhOf(a.geometry);
   b.bvh ??= b.geometry === a.geometry ? a.bvh : bvhOf(b.geometry);
-  const { ms } = cast(a.bvh, b.bvh, new THREE.Matrix4().fromArray(matrix));
+  // It is compiled while it runs, too: the best of some.
+  const times = Array.from({ length: 5 }, () => cast(a.bvh, b.bvh, new THREE.Matrix4().fromArray(matrix)).ms);
+  const ms = Math.min(...times);
   const there = bvhOf(geometryOf(posed(b.geometry.attributes.position.array, matrix), b.geometry.index.array));
   const { missed, invented } = compare(contacts.pairs, cast(a.bvh, there).pairs);
   row.textContent = `${ms.toFixed(1)} ms, ${missed} missed${invented ? `, ${invented} wrong` : ""}`;
