@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 /// Columns of impacts: pairs, and the times from and to.
 type Arrays = (Py<PyAny>, Py<PyAny>, Py<PyAny>);
 
-type Found = Vec<(TrianglePair, Impact)>;
+type Timed = Vec<(TrianglePair, Impact)>;
 
 /// A model at the start, and at the end if that is another.
 type Ends = (Arc<pfront::Model>, Option<Arc<pfront::Model>>);
@@ -37,7 +37,7 @@ fn ends(start: &Model, end: Option<&Model>) -> Ends {
     (start.0.clone(), end.map(|end| end.0.clone()))
 }
 
-fn arrays(py: Python<'_>, found: &Found) -> PyResult<Arrays> {
+fn arrays(py: Python<'_>, found: &Timed) -> PyResult<Arrays> {
     let pairs = found.iter().flat_map(|(pair, _)| [pair.a, pair.b]).collect();
     let times = |of: fn(&Impact) -> f64| found.iter().map(|(_, impact)| of(impact)).collect();
     let (from, to) = (times(|impact| impact.from), times(|impact| impact.to));
@@ -72,7 +72,7 @@ pub fn impacts(
                     Some(_) => moving(b)?,
                 };
                 let mut query = PairQuery::new().on(executor);
-                let found: Found = match first {
+                let found: Timed = match first {
                     true => query.first_impact(&of_a, &of_b)?.into_iter().collect(),
                     false => query.impacts(&of_a, &of_b)?,
                 };
@@ -80,7 +80,7 @@ pub fn impacts(
             }
             None => {
                 let mut query = SelfQuery::new().on(executor);
-                let found: Found = match first {
+                let found: Timed = match first {
                     true => query.first_impact(&of_a)?.into_iter().collect(),
                     false => query.impacts(&of_a)?,
                 };

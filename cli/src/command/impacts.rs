@@ -12,7 +12,7 @@ use std::io::Write;
 use std::iter::once;
 use std::path::PathBuf;
 
-type Found = Vec<(TrianglePair, Impact)>;
+type Timed = Vec<(TrianglePair, Impact)>;
 
 /// `Ok(false)` if the first impact is asked for and there is none.
 pub(crate) fn run(asked: &Impacts) -> Result<bool> {
@@ -57,7 +57,7 @@ fn moving<'m>(
     Motion::between(start, end).with_context(name)
 }
 
-fn of_two(asked: &Impacts, executor: &Executor, [a, b]: [&Motion<'_>; 2]) -> Result<Found> {
+fn of_two(asked: &Impacts, executor: &Executor, [a, b]: [&Motion<'_>; 2]) -> Result<Timed> {
     let mut query = PairQuery::new().on(executor);
     let found = match asked.first {
         true => query.first_impact(a, b)?.into_iter().collect(),
@@ -67,7 +67,7 @@ fn of_two(asked: &Impacts, executor: &Executor, [a, b]: [&Motion<'_>; 2]) -> Res
     Ok(found)
 }
 
-fn of_one(asked: &Impacts, executor: &Executor, motion: &Motion<'_>) -> Result<Found> {
+fn of_one(asked: &Impacts, executor: &Executor, motion: &Motion<'_>) -> Result<Timed> {
     let mut query = SelfQuery::new().on(executor);
     let found = match asked.first {
         true => query.first_impact(motion)?.into_iter().collect(),
@@ -77,7 +77,7 @@ fn of_one(asked: &Impacts, executor: &Executor, motion: &Motion<'_>) -> Result<F
     Ok(found)
 }
 
-fn print(asked: &Impacts, files: Vec<FileRow>, found: &Found) -> Result<()> {
+fn print(asked: &Impacts, files: Vec<FileRow>, found: &Timed) -> Result<()> {
     let mut out = out();
     if asked.json {
         let row = |(pair, impact): &(TrianglePair, Impact)| {

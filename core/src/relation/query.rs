@@ -3,7 +3,7 @@
 use super::fans::{Bits, edge_of, fan};
 use super::picture::{HalfPlane, Picture, Run, run};
 use super::ray::{Posed, own_winding, winding};
-use super::seen::{BOTH, ONLY_A, ONLY_B, Seen, relation_of};
+use super::seen::{BOTH, ONLY_A, ONLY_B, Seen, relation_of, seen_bound};
 use super::solid::{DEGENERATE, MARKED};
 use super::{Between, Relation, Rule, Solid};
 use crate::bvtt::{PairBvtt, Query, TrianglePair};
@@ -411,6 +411,25 @@ impl<'a> RelationQuery<'a> {
             if is_hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         found.is_break()
+    }
+}
+
+impl<'s> Seen<'s> {
+    /// Nothing seen yet.
+    ///
+    /// # Errors
+    /// [`CapacityError`] if `lines` has fewer words than [`seen_bound`] of the patches of both solids together.
+    pub fn new(query: &RelationQuery<'_>, lines: &'s mut [u32]) -> Result<Self, CapacityError> {
+        let needed = seen_bound(query.patches());
+        CapacityError::check("lines", needed, lines.len())?;
+        let lines = &mut lines[..needed];
+        lines.fill(0);
+        let (pair, undetermined) = (None, None);
+        // Points of a surface alone are looked at, so those that only the other has are taken for granted.
+        let classes = [ONLY_B, ONLY_A].into_iter().zip(query.are_surfaces());
+        let classes =
+            classes.filter(|(_, is_surface)| *is_surface).fold(0, |all, (class, _)| all | class);
+        Ok(Self { classes, meets: false, pair, undetermined, is_rounded: false, lines })
     }
 }
 

@@ -1,7 +1,6 @@
 //! The evidence about two solids.
 
-use super::{Relation, RelationQuery};
-use crate::CapacityError;
+use super::Relation;
 use crate::bvtt::TrianglePair;
 
 /// Points in both solids, only in the first, only in the second: all that decides a relation.
@@ -31,24 +30,7 @@ pub struct Seen<'s> {
     pub(super) lines: &'s mut [u32],
 }
 
-impl<'s> Seen<'s> {
-    /// Nothing seen yet.
-    ///
-    /// # Errors
-    /// [`CapacityError`] if `lines` has fewer words than [`seen_bound`] of the patches of both solids together.
-    pub fn new(query: &RelationQuery<'_>, lines: &'s mut [u32]) -> Result<Self, CapacityError> {
-        let needed = seen_bound(query.patches());
-        CapacityError::check("lines", needed, lines.len())?;
-        let lines = &mut lines[..needed];
-        lines.fill(0);
-        let (pair, undetermined) = (None, None);
-        // Points of a surface alone are looked at, so those that only the other has are taken for granted.
-        let classes = [ONLY_B, ONLY_A].into_iter().zip(query.are_surfaces());
-        let classes =
-            classes.filter(|(_, is_surface)| *is_surface).fold(0, |all, (class, _)| all | class);
-        Ok(Self { classes, meets: false, pair, undetermined, is_rounded: false, lines })
-    }
-
+impl Seen<'_> {
     /// Adds what another worker has seen of the same solids.
     pub fn join(&mut self, other: &Seen<'_>) {
         let lower = |p: Option<TrianglePair>, q: Option<TrianglePair>| match (p, q) {
