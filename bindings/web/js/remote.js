@@ -17,7 +17,7 @@ export async function openWorker(worker = new Worker(new URL("./worker.js", impo
   worker.onmessage = ({ data: { call, value, made, fault, ms } }) => {
     const { resolve, reject } = pending.get(call) ?? {};
     pending.delete(call);
-    self.ms = ms;
+    self.ms = ms ?? self.ms;
     if (fault) reject?.(fromPlain(fault));
     else resolve?.(made === undefined ? value : remote(made));
   };
