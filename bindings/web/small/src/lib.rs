@@ -157,9 +157,9 @@ impl Mesh {
 
 /// The pairs of the last question, in memory that the next uses again.
 #[derive(Default)]
-struct Found(Vec<TrianglePair>);
+struct Pairs(Vec<TrianglePair>);
 
-impl Found {
+impl Pairs {
     /// Finds all pairs, sorted.
     #[inline(never)]
     fn all(&mut self, query: &impl Query) -> &[TrianglePair] {
@@ -183,7 +183,7 @@ impl Found {
 /// Asks which triangles of two meshes intersect, the second in a pose: `matrix` takes coordinates of `b` to those of `a`.
 #[wasm_bindgen]
 #[derive(Default)]
-pub struct PairQuery(Found);
+pub struct PairQuery(Pairs);
 
 #[wasm_bindgen]
 impl PairQuery {
@@ -231,7 +231,7 @@ impl PairQuery {
 
 /// Asks which triangles of one mesh intersect. A vertex or an edge that two share by index is no contact.
 #[wasm_bindgen]
-pub struct SelfQuery(Found, Adjacency);
+pub struct SelfQuery(Pairs, Adjacency);
 
 #[wasm_bindgen]
 impl SelfQuery {
@@ -239,8 +239,8 @@ impl SelfQuery {
     #[wasm_bindgen(constructor)]
     pub fn new(skip_neighbours: Option<bool>) -> Self {
         match skip_neighbours {
-            Some(true) => Self(Found::default(), Adjacency::SkipNeighbours),
-            _ => Self(Found::default(), Adjacency::SharedIndexRule),
+            Some(true) => Self(Pairs::default(), Adjacency::SkipNeighbours),
+            _ => Self(Pairs::default(), Adjacency::SharedIndexRule),
         }
     }
 
