@@ -154,6 +154,8 @@ enum pfront_status_t
   PFRONT_MEETS_ITSELF = 40,
   // The model `what` is no solid: it has no volume.
   PFRONT_NO_VOLUME = 41,
+  // Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms.
+  PFRONT_MOTION = 42,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -627,6 +629,29 @@ typedef struct pfront_patch_t {
   // The least and the greatest that its area can be.
   double area[2];
 } pfront_patch_t;
+
+// A model that moves from time 0 to time 1, each vertex in a straight line: between two poses in the world, or between the positions of two
+// models.
+typedef struct pfront_motion_t {
+  // The model at time 0.
+  const struct pfront_model_t *start;
+  // A model of the same triangles at time 1, for one that deforms, which then has no poses; else null.
+  const struct pfront_model_t *end;
+  // The pose at time 0; null if there is none.
+  const struct pfront_pose64_t *from;
+  // The pose at time 1; null if it is the first.
+  const struct pfront_pose64_t *to;
+} pfront_motion_t;
+
+// When two triangles meet first, as far as it is proven.
+typedef struct pfront_impact_t {
+  // The triangles.
+  struct pfront_pair_t pair;
+  // They do not meet before this time.
+  double from;
+  // They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
+  double to;
+} pfront_impact_t;
 
 // A triangle that a segment meets.
 typedef struct pfront_segment_hit_t {
@@ -1228,6 +1253,27 @@ pfront_status_t pfront_model_query_patches(struct pfront_model_query_t *query,
                                            const struct pfront_patch_t **patches,
                                            size_t *count,
                                            struct pfront_error_t *error);
+
+// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
+// of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
+// the executor. `impacts` belongs to the query and is good until this is called again, or the query is freed.
+pfront_status_t pfront_model_query_impacts(struct pfront_model_query_t *query,
+                                           const struct pfront_motion_t *a,
+                                           const struct pfront_motion_t *b,
+                                           uint32_t rule,
+                                           const struct pfront_impact_t **impacts,
+                                           size_t *count,
+                                           struct pfront_error_t *error);
+
+// Finds the pair of triangles that meets first: `found` is 1 and `impact` tells it, or `found` is 0 and `impact` is not written. All else is
+// as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_first_impact(struct pfront_model_query_t *query,
+                                                const struct pfront_motion_t *a,
+                                                const struct pfront_motion_t *b,
+                                                uint32_t rule,
+                                                struct pfront_impact_t *impact,
+                                                uint32_t *found,
+                                                struct pfront_error_t *error);
 
 // Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
 // triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs

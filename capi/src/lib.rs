@@ -27,6 +27,8 @@ mod cursor;
 #[cfg(feature = "std")]
 mod executor;
 mod front;
+#[cfg(feature = "std")]
+mod impacts;
 mod memory;
 mod mesh;
 mod meshes;
@@ -57,6 +59,8 @@ pub use cursor::*;
 #[cfg(feature = "std")]
 pub use executor::*;
 pub use front::*;
+#[cfg(feature = "std")]
+pub use impacts::*;
 pub use mesh::*;
 pub use meshes::*;
 #[cfg(feature = "std")]

@@ -69,7 +69,12 @@ plain!(
     crate::pfront_query_t
 );
 #[cfg(feature = "std")]
-plain!(crate::pfront_subject_t, crate::pfront_allowed_t, crate::pfront_gap_t);
+plain!(
+    crate::pfront_subject_t,
+    crate::pfront_allowed_t,
+    crate::pfront_gap_t,
+    crate::pfront_motion_t
+);
 
 /// The outcome of a function that C calls.
 pub(crate) type Done = Result<(), Fault>;

@@ -99,6 +99,8 @@ pub enum pfront_status_t {
     PFRONT_MEETS_ITSELF = 40,
     /// The model `what` is no solid: it has no volume.
     PFRONT_NO_VOLUME = 41,
+    /// Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms.
+    PFRONT_MOTION = 42,
 }
 
 /// Where a call went wrong: see `pfront_status_t` for what the numbers mean. Functions that take a pointer to one
@@ -121,7 +123,7 @@ pub struct pfront_error_t {
 /// The meaning of an error code, in a sentence without numbers. Takes any number; the string lives for ever.
 #[entry]
 fn pfront_error_text(status: u32) -> *const c_char {
-    const TEXTS: [&CStr; 42] = [
+    const TEXTS: [&CStr; 43] = [
         c"done",
         c"a pointer is null",
         c"a pointer is not aligned",
@@ -164,6 +166,7 @@ fn pfront_error_text(status: u32) -> *const c_char {
         c"an edge is open: a mesh is no solid",
         c"triangles meet their own mesh",
         c"a mesh has no volume",
+        c"a triangle is not the same at the end of a motion, or a model that deforms has a pose",
     ];
     TEXTS.get(status as usize).copied().unwrap_or(c"no error code of pfront").as_ptr()
 }

@@ -1,6 +1,7 @@
 //! Questions about models, frame by frame or many at once.
 
 use crate::executor::{OwnExecutor, pfront_executor_t};
+use crate::impacts::pfront_impact_t;
 use crate::memory::{Call, Done, Handle};
 use crate::model::{Solids, pfront_model_t, pfront_patch_t, pfront_segment_hit_t};
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
@@ -75,13 +76,14 @@ pub struct pfront_model_query_t(());
 pub(crate) struct ModelQuery {
     pub(crate) own: OwnExecutor,
     pub(crate) pair: PairQuery,
-    within: [SelfQuery; 2],
+    pub(crate) within: [SelfQuery; 2],
     pub(crate) solids: Solids,
     /// The answers that were handed out last.
     pairs: Vec<pfront_pair_t>,
     pub(crate) segment_hits: Vec<pfront_segment_hit_t>,
     pub(crate) patches: Vec<pfront_patch_t>,
     contacts: Vec<pfront_model_contact_t>,
+    pub(crate) impacts: Vec<pfront_impact_t>,
 }
 
 impl Handle for pfront_model_query_t {
@@ -145,6 +147,7 @@ fn pfront_model_query_create(
         segment_hits: Vec::new(),
         patches: Vec::new(),
         contacts: Vec::new(),
+        impacts: Vec::new(),
     })?);
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 24] = [
+const MODULES: [&str; 25] = [
     "status",
     "pose",
     "mesh",
@@ -22,6 +22,7 @@ const MODULES: [&str; 24] = [
     "executor",
     "subject",
     "relation",
+    "impacts",
     "segment",
     "scene",
     "scene/hits",

@@ -162,6 +162,30 @@ static void subjects(void)
     EXPECT(PFRONT_NULL, "b", pfront_batch_distance(executor, asked, 5, INFINITY, (pfront_gap_t[5]){0}, (uint32_t[5]){0}, &error));
     THAT(error.index == 4);
     EXPECT(PFRONT_NULL, "gaps", pfront_batch_distance(executor, asked, 4, INFINITY, NULL, near, &error));
+    // On the way: the second tetrahedron flies through the first, which no frame shows.
+    const pfront_pose64_t ahead = {{{1, 0, 0, 9}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const pfront_pose64_t behind = {{{1, 0, 0, -9}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const pfront_motion_t still = {model, NULL, NULL, NULL}, flight = {model, NULL, &ahead, &behind};
+    const pfront_impact_t *impacts;
+    size_t impact_count = 0;
+    OK(pfront_model_query_impacts(query, &still, &flight, 0, &impacts, &impact_count, &error));
+    THAT(impact_count > 0);
+    for (size_t i = 0; i < impact_count; i++) {
+        THAT(0 < impacts[i].from && impacts[i].from <= impacts[i].to && impacts[i].pair.b < TRIANGLES);
+    }
+    pfront_impact_t impact;
+    OK(pfront_model_query_first_impact(query, &still, &flight, 0, &impact, &found, &error));
+    THAT(found == 1 && impact.from <= impacts[0].from);
+    const pfront_motion_t away = {model, NULL, &ahead, NULL}, itself = {model, model, NULL, NULL};
+    OK(pfront_model_query_first_impact(query, &still, &away, 0, &impact, &found, &error));
+    THAT(found == 0);
+    // At rest, a mesh meets itself where it intersects itself.
+    OK(pfront_model_query_impacts(query, &itself, NULL, PFRONT_SHARED_INDEX, &impacts, &impact_count, &error));
+    THAT(impact_count == within.count);
+    const pfront_motion_t both = {model, model, NULL, &ahead};
+    EXPECT(PFRONT_MOTION, "to", pfront_model_query_impacts(query, &both, NULL, 0, &impacts, &impact_count, &error));
+    EXPECT(PFRONT_NULL, "a", pfront_model_query_impacts(query, NULL, NULL, 0, &impacts, &impact_count, &error));
+    EXPECT(PFRONT_OUT_OF_RANGE, "rule", pfront_model_query_impacts(query, &still, NULL, 2, &impacts, &impact_count, &error));
     // Everything is within a kilometre, and 0 asks for what intersects again.
     OK(pfront_model_query_within(query, 1e3f, &error));
     OK(pfront_model_query_count(query, &asked[1], &count, &error));

@@ -175,7 +175,7 @@ impl From<pfront::NotSolid> for Fault {
 #[cfg(feature = "std")]
 impl From<pfront::Error> for Fault {
     fn from(error: pfront::Error) -> Self {
-        use pfront::Error;
+        use pfront::{Error, MotionError};
         match error {
             Error::Mesh(error) => error.into(),
             Error::Blob(error) => error.into(),
@@ -186,6 +186,9 @@ impl From<pfront::Error> for Fault {
             }
             Error::Solid(error) => error.into(),
             Error::Distance(_) => Self::of(PFRONT_DISTANCE, c"distance"),
+            Error::Motion(MotionError::Triangle { triangle }) => {
+                Self::of(PFRONT_MOTION, c"end").at(triangle)
+            }
             Error::NotAPair { question } => Self::of(PFRONT_NULL, c"b").at(question),
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)

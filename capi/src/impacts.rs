@@ -1,0 +1,155 @@
+//! Triangles of models that move and meet on the way.
+
+use crate::memory::{Call, Done};
+use crate::model::pfront_model_t;
+use crate::pose::pfront_pose64_t;
+use crate::query::pfront_rule_t;
+use crate::status::Fault;
+use crate::status::pfront_status_t::PFRONT_MOTION;
+use crate::subject::{ModelQuery, fault, pfront_model_query_t};
+use crate::verbs::pfront_pair_t;
+use pfront::{Impact, Model, Motion, Pose64, TrianglePair};
+use pfront_capi_entry::entry;
+use std::sync::Arc;
+
+/// A model that moves from time 0 to time 1, each vertex in a straight line: between two poses in the world, or between the positions of two
+/// models.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_motion_t {
+    /// The model at time 0.
+    pub start: *const pfront_model_t,
+    /// A model of the same triangles at time 1, for one that deforms, which then has no poses; else null.
+    pub end: *const pfront_model_t,
+    /// The pose at time 0; null if there is none.
+    pub from: *const pfront_pose64_t,
+    /// The pose at time 1; null if it is the first.
+    pub to: *const pfront_pose64_t,
+}
+
+/// When two triangles meet first, as far as it is proven.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_impact_t {
+    /// The triangles.
+    pub pair: pfront_pair_t,
+    /// They do not meet before this time.
+    pub from: f64,
+    /// They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
+    pub to: f64,
+}
+
+fn for_c(
+    &(TrianglePair { a, b }, Impact { from, to }): &(TrianglePair, Impact),
+) -> pfront_impact_t {
+    pfront_impact_t { pair: pfront_pair_t { a, b }, from, to }
+}
+
+/// A motion whose models are held.
+struct Held {
+    start: Arc<Model>,
+    end: Option<Arc<Model>>,
+    poses: Option<[Pose64; 2]>,
+}
+
+impl Held {
+    fn new(call: &mut Call<'_>, motion: pfront_motion_t) -> Result<Self, Fault> {
+        let start = call.cloned(c"start", motion.start)?;
+        let mut pose = |name, pose: *const pfront_pose64_t| match pose.is_null() {
+            true => Ok(None),
+            false => Ok::<_, Fault>(Some(Pose64::new(call.get(name, pose)?.rows))),
+        };
+        let (from, to) = (pose(c"from", motion.from)?, pose(c"to", motion.to)?);
+        let poses = (from.is_some() || to.is_some()).then(|| {
+            let first = from.unwrap_or(Pose64::IDENTITY);
+            [first, to.unwrap_or(first)]
+        });
+        let end = match motion.end.is_null() {
+            true => None,
+            false if from.is_some() => return Err(Fault::of(PFRONT_MOTION, c"from")),
+            false if to.is_some() => return Err(Fault::of(PFRONT_MOTION, c"to")),
+            false => Some(call.cloned(c"end", motion.end)?),
+        };
+        Ok(Self { start, end, poses })
+    }
+
+    fn motion(&self) -> Result<Motion<'_>, pfront::Error> {
+        match (&self.end, self.poses) {
+            (Some(end), _) => Motion::between(&self.start, end),
+            (None, Some([from, to])) => Motion::new(&self.start, from, to),
+            (None, None) => Ok(Motion::at_rest(&self.start)),
+        }
+    }
+}
+
+/// All impacts of two motions, or of one model with itself, or the first.
+fn found(
+    call: &mut Call<'_>,
+    query: &mut ModelQuery,
+    a: *const pfront_motion_t,
+    b: *const pfront_motion_t,
+    rule: u32,
+    is_first: bool,
+) -> Result<Vec<(TrianglePair, Impact)>, Fault> {
+    let a = call.get(c"a", a)?;
+    let a = Held::new(call, a)?;
+    Fault::below(c"rule", rule as usize, 2)?;
+    if b.is_null() {
+        let own =
+            &mut query.within[usize::from(rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32)];
+        let motion = a.motion().map_err(fault)?;
+        return match is_first {
+            true => own.first_impact(&motion).map(|first| first.into_iter().collect()),
+            false => own.impacts(&motion),
+        }
+        .map_err(fault);
+    }
+    let b = call.get(c"b", b)?;
+    let b = Held::new(call, b)?;
+    let (a, b) = (a.motion().map_err(fault)?, b.motion().map_err(fault)?);
+    match is_first {
+        true => query.pair.first_impact(&a, &b).map(|first| first.into_iter().collect()),
+        false => query.pair.impacts(&a, &b),
+    }
+    .map_err(fault)
+}
+
+/// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
+/// of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
+/// the executor. `impacts` belongs to the query and is good until this is called again, or the query is freed.
+#[entry]
+fn pfront_model_query_impacts(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    a: *const pfront_motion_t,
+    b: *const pfront_motion_t,
+    rule: u32,
+    impacts: *mut *const pfront_impact_t,
+    count: *mut usize,
+) -> Done {
+    let out = call.out_array(c"impacts", impacts, count)?;
+    let query = call.owned(c"query", query)?;
+    query.own.check(c"query")?;
+    let found = found(call, query, a, b, rule, false)?;
+    out.set(&mut query.impacts, found.iter().map(for_c))
+}
+
+/// Finds the pair of triangles that meets first: `found` is 1 and `impact` tells it, or `found` is 0 and `impact` is not written. All else is
+/// as for `pfront_model_query_impacts`.
+#[entry]
+fn pfront_model_query_first_impact(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    a: *const pfront_motion_t,
+    b: *const pfront_motion_t,
+    rule: u32,
+    impact: *mut pfront_impact_t,
+    found: *mut u32,
+) -> Done {
+    let (out, is_found) = (call.out(c"impact", impact)?, call.out(c"found", found)?);
+    let query = call.owned(c"query", query)?;
+    query.own.check(c"query")?;
+    let first = self::found(call, query, a, b, rule, true)?;
+    out.set_some(is_found, first.first().map(for_c));
+    Ok(())
+}
