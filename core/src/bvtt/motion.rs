@@ -6,6 +6,7 @@ use crate::Mesh;
 use crate::aabb::Bounds;
 use crate::triangle::Adjacency;
 use core::ops::Range;
+use glam::Vec3A;
 
 impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// Whether both meshes have triangles.
@@ -45,6 +46,15 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
             None => side.triangle(triangle).map(|p| p.map(f64::from)),
             Some(_) => side.triangle_f64(triangle),
         }
+    }
+
+    /// A box that contains a triangle of one side, in the frame of the query, or one that moves with it.
+    #[inline]
+    pub(crate) fn bounds_of_triangle(&self, side: usize, triangle: u32) -> Bounds {
+        let [p, q, r] = self.side(side).triangle(triangle).map(Vec3A::from_array);
+        // The error is that of two corners.
+        let error = self.error().unwrap_or(Vec3A::ZERO);
+        Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error }
     }
 
     pub(crate) fn adjacency(&self) -> Adjacency {

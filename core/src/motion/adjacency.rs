@@ -1,16 +1,25 @@
 //! When two triangles of one mesh meet first that share vertices by index.
 
-use super::apart::{CUBIC, HEIGHT, height, normal};
+use super::apart::{CUBIC, Cubic, HEIGHT, height, normal};
 use super::impact::{Impact, impact_of};
-use super::pair::{MovingPair, MovingTriangle, UNDERFLOWN, UNIT};
+use super::pair::{MovingTriangle, UNIT};
 use crate::Mesh;
+use crate::exact::difference;
+use crate::exact::filter64::larger;
 use crate::triangle::{Adjacency, intersects_in_mesh, neighbours};
 use glam::DVec3;
 
-/// A coefficient of the product of two moving normals has to exceed so much of the sum of the squared products of two ranges each. A component of a
-/// normal is at most twice such a product, and off by 40 u of it, or 44 u in the middle (see `meets`): the product of two of them by
-/// 176 u, and by 4 · 6 u for its multiplications and sums.
-const PRODUCT: f64 = 256.0 * UNIT;
+/// A coefficient of the product of two moving normals has to exceed so much of the sum of the squared products of two extents each. A component of a
+/// normal is at most twice such a product. Its two products, or four over 2, are off by 2 u for their factors and by at most 3 u for
+/// multiplications and sums, so by 12 u; the product of two components by 48 u, and by 4 · 6 u for its own.
+const PRODUCT: f64 = 128.0 * UNIT;
+
+/// 2^-930, more than what underflow takes from a determinant: some dozens of products of two differences of f64, each of which loses 2^-1075, times
+/// a third of at most 2^126. Products of differences of f32, which may be larger, do not underflow.
+const UNDERFLOW: f64 = f64::from_bits((1023 - 930) << 52);
+
+/// 2^-800, more than what it takes from the product of two normals: some dozens of products lose 2^-1075 each, times a component of at most 2^253.
+const UNDERFLOW_4D: f64 = f64::from_bits((1023 - 800) << 52);
 
 /// When triangles `i` and `j` of one mesh meet first that moves from `start` to `end`, two meshes with the same triangles; `None` if they never do.
 ///
@@ -46,9 +55,13 @@ pub fn impact_in_mesh(
     adjacency: Adjacency,
 ) -> Option<Impact> {
     let ends = [start, end];
+    let [a, b] = [i, j].map(|triangle| ends.map(|mesh| mesh.triangle_f64(triangle)));
+    let indices = [i, j].map(|triangle| &start.triangles()[triangle as usize]);
+    if are_certainly_apart(indices, [&a, &b]) {
+        return None;
+    }
     let at = |mesh: Mesh<'_>| neighbours(mesh, [i, j], |vertex| mesh.position_f64(vertex));
     let (Some([a, b]), Some([a_end, b_end])) = (at(start), at(end)) else {
-        let [a, b] = [i, j].map(|triangle| ends.map(|mesh| mesh.triangle_f64(triangle)));
         return impact_of(&a, &b);
     };
     if adjacency == Adjacency::SkipNeighbours {
@@ -56,14 +69,11 @@ pub fn impact_in_mesh(
     }
     let (shared, distinct) = (a.shared, [a.distinct, b.distinct]);
     let [a, b] = [[a.corners, a_end.corners], [b.corners, b_end.corners]];
-    let certainly_apart = match shared {
-        _ if distinct == [shared; 2] => return Some(Impact { from: 0.0, to: 0.0 }),
-        // No more than the edge.
-        2 if distinct.contains(&2) => return None,
-        2 => are_apart_at_edge(&a, &b),
-        _ => are_apart_at_vertex(&a, &b),
-    };
-    if certainly_apart {
+    if distinct == [shared; 2] {
+        return Some(Impact { from: 0.0, to: 0.0 });
+    }
+    // One may be no more than the edge.
+    if shared == 2 && distinct.contains(&2) {
         return None;
     }
     decide(ends, [i, j], [&a, &b], shared, distinct)
@@ -108,41 +118,89 @@ fn decide(
     Some(Impact { from, to: to.min(1.0) })
 }
 
-/// Whether two triangles have no more than their first corner in common at any time, certainly.
+/// Whether two triangles certainly have no more in common at any time than the one vertex or edge that they share by index. Most neighbours in
+/// a surface end here.
+#[inline]
+pub(super) fn are_certainly_apart(
+    [of_a, of_b]: [&[u32; 3]; 2],
+    [a, b]: [&MovingTriangle; 2],
+) -> bool {
+    let (mut shared, mut count) = ([[0; 2]; 2], 0);
+    for i in 0..3 {
+        for j in 0..3 {
+            if of_a[i] == of_b[j] {
+                if count == 2 {
+                    return false;
+                }
+                shared[count] = [i, j];
+                count += 1;
+            }
+        }
+    }
+    let [[i, j], [i_next, j_next]] = shared;
+    let from = |t: &MovingTriangle, corner: usize, to: usize| {
+        [0, 1].map(|end| difference(&t[end][to], &t[end][corner]))
+    };
+    let others = |k: usize| if k == 0 { [1, 2] } else { [0, 3 - k] };
+    match count {
+        1 => {
+            let ([p, q], [r, s]) = (others(i), others(j));
+            are_apart_at_vertex([from(a, i, p), from(a, i, q)], [from(b, j, r), from(b, j, s)])
+        }
+        2 if i != i_next && j != j_next => are_apart_at_edge(
+            from(a, i, i_next),
+            from(a, i, 3 - i - i_next),
+            from(b, j, 3 - j - j_next),
+        ),
+        _ => false,
+    }
+}
+
+/// A moving vector, at the start and at the end: the difference of two corners, off by u of itself.
+type Moving = [DVec3; 2];
+
+/// Whether two triangles have no more than a corner in common, from which these vectors lead to their others.
 ///
 /// Either a plane through that corner has all others of the first above and of the second below: one that stands still, whose heights are
 /// linear in time, through the corner; it is normal to the directions of one triangle minus those of the other. Or all others of one are
 /// on one side of the plane of the other.
-fn are_apart_at_vertex(a: &MovingTriangle, b: &MovingTriangle) -> bool {
-    let pair = MovingPair::new(a, b);
-    let [o, p, q, _, r, s] = pair.at(0.5);
-    let direction = |p: DVec3| (p - o) / (p - o).abs().element_sum();
-    let n = (direction(p) + direction(q)) - (direction(r) + direction(s));
-    let margin = (n.x.abs() + n.y.abs() + n.z.abs()) * HEIGHT + UNDERFLOWN;
-    let is_separated = pair
-        .ends
-        .iter()
-        .all(|[_, p, q, _, r, s]| [*p, *q, -*r, -*s].into_iter().all(|x| n.dot(x) > margin));
-    is_separated || {
-        let side = |face: [usize; 2], corner: usize| pair.side(face, corner);
-        let on_one_side = |face: [usize; 2], [p, q]: [usize; 2]| {
-            side(face, p) != 0 && side(face, p) == side(face, q)
-        };
-        on_one_side([1, 2], [4, 5]) || on_one_side([4, 5], [1, 2])
+#[inline]
+fn are_apart_at_vertex(a: [Moving; 2], b: [Moving; 2]) -> bool {
+    let all = [a[0], a[1], b[0], b[1]];
+    let direction = |[start, end]: Moving| {
+        let middle = start + end;
+        middle / middle.abs().element_sum()
+    };
+    let [p, q, r, s] = all.map(direction);
+    let n = (p + q) - (r + s);
+    let extents = extents(&all);
+    let margin = n.abs().dot(extents) * HEIGHT + UNDERFLOW;
+    let is_above = |[start, end]: Moving, n: DVec3| n.dot(start) > margin && n.dot(end) > margin;
+    if a.into_iter().all(|v| is_above(v, n)) && b.into_iter().all(|v| is_above(v, -n)) {
+        return true;
     }
+    let on_one_side = |[u, v]: [Moving; 2], others: [Moving; 2]| {
+        let (normal, margin) = (normal(u, v), volume(extents) * CUBIC + UNDERFLOW);
+        let [x, y] = others.map(|w| strict_side(&height(&normal, w), margin));
+        x != 0 && x == y
+    };
+    on_one_side(a, b) || on_one_side(b, a)
 }
 
-/// Whether two triangles have no more than the edge between their first two corners in common at any time, certainly.
+/// Whether two triangles have no more than an edge in common, from an end of which a vector leads to its other end, and to the other corner of
+/// each.
 ///
 /// Either they never are in one plane; or, seen along the edge, they never are less than a right angle apart: the product of their
 /// normals, taken in the same sense, is negative. It is a quartic of time.
-fn are_apart_at_edge(a: &MovingTriangle, b: &MovingTriangle) -> bool {
-    let pair = MovingPair::new(a, b);
-    if pair.side([1, 2], 5) != 0 {
+#[inline]
+fn are_apart_at_edge(edge: Moving, to_a: Moving, to_b: Moving) -> bool {
+    let extents = extents(&[edge, to_a, to_b]);
+    let [a0, a1, a2] = normal(edge, to_a);
+    let cubic = height(&[a0, a1, a2], to_b);
+    if strict_side(&cubic, volume(extents) * CUBIC + UNDERFLOW) != 0 {
         return true;
     }
-    let ends = |corner: usize| pair.ends.map(|corners| corners[corner]);
-    let [[a0, a1, a2], [b0, b1, b2]] = [2, 5].map(|corner| normal(ends(1), ends(corner)));
+    let [b0, b1, b2] = normal(edge, to_b);
     let quartic = [
         a0.dot(b0),
         (a0.dot(b1) + a1.dot(b0)) * 0.25,
@@ -150,18 +208,24 @@ fn are_apart_at_edge(a: &MovingTriangle, b: &MovingTriangle) -> bool {
         (a1.dot(b2) + a2.dot(b1)) * 0.25,
         a2.dot(b2),
     ];
-    let [x, y, z] = (pair.ranges * pair.ranges).to_array();
-    let margin = (x * y + y * z + z * x) * PRODUCT + UNDERFLOWN;
+    let [x, y, z] = (extents * extents).to_array();
+    let margin = (x * y + y * z + z * x) * PRODUCT + UNDERFLOW_4D;
     quartic.iter().all(|c| *c < -margin)
 }
 
-impl MovingPair {
-    /// The side of the plane through the first corner and two others on which another corner certainly is at all times; 0 if it is not
-    /// known to be on one.
-    fn side(&self, [p, q]: [usize; 2], corner: usize) -> i32 {
-        let ends = |corner: usize| self.ends.map(|corners| corners[corner]);
-        let cubic = height(&normal(ends(p), ends(q)), ends(corner));
-        let margin = self.volume() * CUBIC + UNDERFLOWN;
-        i32::from(cubic.iter().all(|c| *c > margin)) - i32::from(cubic.iter().all(|c| *c < -margin))
-    }
+/// The largest coordinates of some vectors from one corner, along each axis. Bounds for differences of corners with their ranges hold for vectors
+/// from one corner with these: they are rounded once.
+#[inline(always)]
+fn extents(vectors: &[Moving]) -> DVec3 {
+    vectors.as_flattened().iter().fold(DVec3::ZERO, |extents, v| larger(extents, v.abs()))
+}
+
+fn volume(extents: DVec3) -> f64 {
+    extents.x * extents.y * extents.z
+}
+
+/// The sign of a cubic all through its interval, 0 if it is not certain.
+#[inline(always)]
+fn strict_side(cubic: &Cubic, margin: f64) -> i32 {
+    i32::from(cubic.iter().all(|c| *c > margin)) - i32::from(cubic.iter().all(|c| *c < -margin))
 }

@@ -1,12 +1,13 @@
 //! The BVTT of two moving meshes, or of one and itself, and its traversal.
 
-use super::adjacency::impact_in_mesh;
-use super::common_time::{first_overlap, first_overlap_in_f64};
+use super::MovingBvh;
+use super::adjacency::{are_certainly_apart, impact_in_mesh};
+use super::common_time::first_overlap;
 use super::impact::{Impact, impact_of};
 use super::leaf::{Leaf, LeafCache};
-use super::{MovingBvh, MovingTriangle};
 use crate::bvh::MAX_DEPTH;
 use crate::bvtt::{Bvtt, NodePair, PairBvtt, SelfBvtt, TrianglePair, Work};
+use crate::simd::{Simd, Task, VECTORS, widest};
 use crate::triangle::Adjacency;
 use core::ops::ControlFlow;
 
@@ -190,30 +191,35 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     /// If an index is out of range.
     #[must_use]
     pub fn impact(&self, pair: TrianglePair) -> Option<Impact> {
-        let corners = |side: usize, triangle: u32| -> MovingTriangle {
-            [&self.start, &self.end].map(|query| query.corners_in_f64(side, triangle))
-        };
+        let ends = [&self.start, &self.end];
         let TrianglePair { a, b } = ordered::<SELF>(pair);
-        let sides = [Leaf::of(a, corners(0, a)), Leaf::of(b, corners(1, b))];
+        let sides = [Leaf::of(a, 0, ends), Leaf::of(b, 1, ends)];
         let sides = sides.each_ref();
         self.impact_of(TrianglePair { a, b }, sides, first_overlap_of(sides)?)
     }
 
     /// When two triangles meet first whose boxes overlap first at a time.
-    #[inline]
+    #[inline(always)]
     fn impact_of(&self, pair: TrianglePair, [p, q]: [&Leaf; 2], first: f64) -> Option<Impact> {
-        let meshes = [self.start.mesh_of(0), self.end.mesh_of(0)];
-        let shared = |[a, b]: [&[u32; 3]; 2]| a.iter().any(|v| b.contains(v));
-        let found = if SELF && shared([pair.a, pair.b].map(|t| &meshes[0].triangles()[t as usize]))
-        {
-            let [start, end] = meshes;
-            impact_in_mesh(start, end, pair.a, pair.b, self.start.adjacency())
-        } else {
-            impact_of(&p.corners, &q.corners)
+        let found = match self.indices(pair).filter(|&indices| share_a_vertex(indices)) {
+            None => impact_of(&p.corners, &q.corners),
+            Some(_) if self.start.adjacency() == Adjacency::SkipNeighbours => return None,
+            Some(indices) if are_certainly_apart(indices, [&p.corners, &q.corners]) => return None,
+            Some(_) => {
+                let [start, end] = [&self.start, &self.end].map(|query| query.mesh_of(0));
+                impact_in_mesh(start, end, pair.a, pair.b, self.start.adjacency())
+            }
         };
         // Nearness may come before the boxes overlap, and would then depend on which of them are visited.
         let Impact { from, to } = found?;
         Some(Impact { from: from.max(first.min(to)), to })
+    }
+
+    /// The vertices of two triangles of one mesh.
+    #[inline(always)]
+    fn indices(&self, pair: TrianglePair) -> Option<[&[u32; 3]; 2]> {
+        let triangles = self.start.mesh_of(0).triangles();
+        SELF.then(|| [&triangles[pair.a as usize], &triangles[pair.b as usize]])
     }
 
     /// The first time at which the boxes of both nodes overlap.
@@ -249,8 +255,21 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         tests
     }
 
-    /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
+    /// Visits pairs below a node pair, in the widest vectors that there are.
     fn traverse(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        limit: f64,
+        visit: &mut Visitor<'_>,
+    ) -> ControlFlow<()> {
+        let task = Traversal { tree: self, n, work, limit, visit };
+        if VECTORS { widest(task) } else { task.run::<f32>() }
+    }
+
+    /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
+    #[inline(always)]
+    fn traverse_below(
         &self,
         n: NodePair,
         work: &mut Work,
@@ -284,6 +303,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     }
 
     /// Visits the pairs of triangles of two leaves.
+    #[inline(always)]
     fn visit_leaf_pair(
         &self,
         n: NodePair,
@@ -317,10 +337,35 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     }
 }
 
+/// The arguments of a traversal, as a [`Task`] that is compiled for each width of vectors.
+struct Traversal<'t, 'v, 'a, const SELF: bool> {
+    tree: &'t MovingBvtt<'a, SELF>,
+    n: NodePair,
+    work: &'t mut Work,
+    limit: f64,
+    visit: &'t mut Visitor<'v>,
+}
+
+impl<const SELF: bool> Task for Traversal<'_, '_, '_, SELF> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        self.tree.traverse_below(self.n, self.work, self.limit, self.visit)
+    }
+}
+
 /// The first time at which the boxes of two triangles overlap.
 #[inline]
 fn first_overlap_of([p, q]: [&Leaf; 2]) -> Option<f64> {
-    first_overlap_in_f64(&[p.boxes[0], q.boxes[0]], &[p.boxes[1], q.boxes[1]])
+    first_overlap(&[p.boxes[0], q.boxes[0]], &[p.boxes[1], q.boxes[1]])
+}
+
+/// Whether two triangles have a vertex in common, by index.
+#[inline(always)]
+fn share_a_vertex([&[p, q, r], other]: [&[u32; 3]; 2]) -> bool {
+    // All at once: nine comparisons are cheaper than a jump that may be mispredicted.
+    other.iter().fold(false, |shared, &v| shared | (v == p) | (v == q) | (v == r))
 }
 
 /// A pair of one mesh in ascending order.

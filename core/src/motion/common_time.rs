@@ -25,20 +25,19 @@ pub(super) fn first_overlap(start: &[Bounds; 2], end: &[Bounds; 2]) -> Option<f6
     if !(apart(p) | apart(q)).any() {
         return Some(0.0);
     }
-    let wide = |boxes: &[Bounds; 2]| boxes.map(|of| [of.min.as_dvec3(), of.max.as_dvec3()]);
-    first_overlap_in_f64(&wide(start), &wide(end))
+    first_of_gaps(&gaps_in_f64(start), &gaps_in_f64(end))
 }
 
-/// The same of boxes by their lowest and highest corners in f64.
-#[inline]
-pub(super) fn first_overlap_in_f64(
-    [a, b]: &[[DVec3; 2]; 2],
-    [a_end, b_end]: &[[DVec3; 2]; 2],
-) -> Option<f64> {
+/// The gaps on either side, which f64 has without overflow.
+fn gaps_in_f64(boxes: &[Bounds; 2]) -> [DVec3; 2] {
+    let [[a, a_max], [b, b_max]] = boxes.map(|of| [of.min.as_dvec3(), of.max.as_dvec3()]);
+    [b - a_max, a - b_max]
+}
+
+/// The first time at which no gap is above 0.
+fn first_of_gaps(start: &[DVec3; 2], end: &[DVec3; 2]) -> Option<f64> {
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    let (p, q) = (b[0] - a[1], a[0] - b[1]);
-    let (p_end, q_end) = (b_end[0] - a_end[1], a_end[0] - b_end[1]);
-    for (start, end) in [(p, p_end), (q, q_end)] {
+    for (start, end) in start.iter().zip(end) {
         for axis in 0..3 {
             let (start, end) = (start[axis], end[axis]);
             if start <= 0.0 && end <= 0.0 {

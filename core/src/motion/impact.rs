@@ -47,9 +47,32 @@ pub(super) enum Progress {
 }
 
 impl MovingPair {
+    /// Until when they are certainly apart that are so until a time; 1 if to the end.
+    #[inline(never)]
+    fn apart_until(&self, time: f64) -> f64 {
+        match self.part(time, NEAREST) {
+            Progress::Apart => 1.0,
+            Progress::Near(time, _) => time,
+        }
+    }
+
+    /// Whether the normal of one triangle half way, or the line between the middles of both, certainly separates them all the time: most pairs
+    /// whose boxes overlap at a time end here.
+    #[inline(always)]
+    pub(super) fn is_separated(&self) -> bool {
+        let corners = self.at(0.5);
+        let [p, q, r, s, t, u] = corners;
+        let along = (s + t + u) - (p + q + r);
+        let upwards = |n: DVec3| if n.dot(along) < 0.0 { -n } else { n };
+        let separates = |n: DVec3| self.advance(0.0, n) >= 1.0;
+        separates(upwards((q - p).cross(r - p)))
+            || separates(upwards((t - s).cross(u - s)))
+            || separates(along)
+    }
+
     /// Goes from `time`, at which the triangles do not meet, from one certificate that they are apart to the next, until they are as near as a
     /// part of their radius.
-    #[inline]
+    #[inline(always)]
     pub(super) fn part(&self, mut time: f64, near: f64) -> Progress {
         let reach = near * self.radius;
         let mut feature = Feature::Edges([0; 2]);
@@ -128,9 +151,12 @@ pub fn impact(a: &MovingTriangle, b: &MovingTriangle) -> Result<Option<Impact>, 
 }
 
 /// [`impact`] of coordinates that are in range.
-#[inline]
+#[inline(always)]
 pub(super) fn impact_of(a: &MovingTriangle, b: &MovingTriangle) -> Option<Impact> {
     let pair = MovingPair::new(a, b);
+    if pair.is_separated() {
+        return None;
+    }
     match pair.part(0.0, NEAR) {
         Progress::Apart => None,
         Progress::Near(time, feature) => impact_after(a, b, &pair, time, feature),
@@ -156,10 +182,7 @@ fn impact_after(
     if let Some(to) = pair.certain_meeting(from, feature) {
         return Some(Impact { from, to });
     }
-    let resume = |time: f64| match pair.part(time, NEAREST) {
-        Progress::Apart => 1.0,
-        Progress::Near(time, _) => time,
-    };
+    let resume = |time: f64| pair.apart_until(time);
     let from = resume(from);
     if from >= 1.0 {
         return None;

@@ -1,25 +1,28 @@
 //! The triangles of a leaf at both ends of a motion.
 
 use super::MovingTriangle;
+use crate::aabb::Bounds;
 use crate::bvh::MAX_LEAF_SIZE;
 use crate::bvtt::Bvtt;
-use glam::DVec3;
 
 /// A triangle of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf {
     pub(super) triangle: u32,
     pub(super) corners: MovingTriangle,
-    /// The lowest and the highest corner of its box, at the start and at the end.
-    pub(super) boxes: [[DVec3; 2]; 2],
+    /// Its box at the start and at the end.
+    pub(super) boxes: [Bounds; 2],
 }
 
 impl Leaf {
-    pub(super) fn of(triangle: u32, corners: MovingTriangle) -> Self {
-        let boxes = corners.map(|end| {
-            let [p, q, r] = end.map(DVec3::from_array);
-            [p.min(q).min(r), p.max(q).max(r)]
-        });
+    /// A triangle of one side of two queries, at the start and at the end.
+    pub(super) fn of<const SELF: bool>(
+        triangle: u32,
+        side: usize,
+        ends: [&Bvtt<'_, SELF>; 2],
+    ) -> Self {
+        let corners = ends.map(|query| query.corners_in_f64(side, triangle));
+        let boxes = ends.map(|query| query.bounds_of_triangle(side, triangle));
         Self { triangle, corners, boxes }
     }
 }
@@ -33,7 +36,7 @@ pub(super) struct LeafCache {
 
 impl LeafCache {
     pub(super) fn new() -> Self {
-        let none = Leaf { triangle: 0, corners: [[[0.0; 3]; 3]; 2], boxes: [[DVec3::ZERO; 2]; 2] };
+        let none = Leaf { triangle: 0, corners: [[[0.0; 3]; 3]; 2], boxes: [Bounds::EMPTY; 2] };
         Self { node: None, len: 0, triangles: [none; MAX_LEAF_SIZE as usize] }
     }
 
@@ -48,8 +51,7 @@ impl LeafCache {
             let triangles = ends[0].triangles_of_leaf(side, node);
             self.len = triangles.len();
             for (slot, &triangle) in self.triangles.iter_mut().zip(triangles) {
-                let corners = ends.map(|query| query.corners_in_f64(side, triangle));
-                *slot = Leaf::of(triangle, corners);
+                *slot = Leaf::of(triangle, side, ends);
             }
             self.node = Some(node);
         }

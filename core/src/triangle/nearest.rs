@@ -1,5 +1,6 @@
 //! Near points of two triangles, in f64, and what they prove.
 
+use core::ops::{Add, Div, Mul, Sub};
 use glam::DVec3;
 
 /// 2^-500, above lengths whose squares underflow in f64, or nearly do.
@@ -47,53 +48,165 @@ pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
 #[inline(always)]
 pub(crate) fn near_points([a, b]: [&[DVec3; 3]; 2], corners: [usize; 2]) -> ([DVec3; 2], Feature) {
     let edges = corners.map(|corners| if corners == 3 { 3 } else { 1 });
-    let (mut best, mut feature) = ([a[0], b[0]], Feature::Edges([0; 2]));
-    let mut least = (best[1] - best[0]).length_squared();
-    let mut take = |points: [DVec3; 2], of: Feature| {
-        let square = (points[1] - points[0]).length_squared();
-        if square < least {
-            (least, best, feature) = (square, points, of);
+    let mut least = (b[0] - a[0]).length_squared();
+    let mut best = None;
+    let mut of_edges = [Near::NONE; 3];
+    let (starts, ends) = (side_by_side(b), side_by_side(&[b[1], b[2], b[0]]));
+    for k in 0..edges[0] {
+        of_edges[k] = near_edges([a[k], a[if k == 2 { 0 } else { k + 1 }]], &starts, &ends);
+        for l in 0..edges[1] {
+            if of_edges[k].square[l] < least {
+                (least, best) = (of_edges[k].square[l], Some(Feature::Edges([k, l])));
+            }
+        }
+    }
+    let on_faces = [
+        if corners[0] == 3 { on_face(a, &starts) } else { Near::NONE },
+        if corners[1] == 3 { on_face(b, &side_by_side(a)) } else { Near::NONE },
+    ];
+    for corner in 0..3 {
+        for of in [1, 0] {
+            let square = on_faces[of].square[corner];
+            if corners[of] == 3 && corner < corners[1 - of] && square < least {
+                (least, best) = (square, Some(Feature::Face { of, corner }));
+            }
+        }
+    }
+    let points = match best {
+        None => [a[0], b[0]],
+        Some(Feature::Edges([k, l])) => {
+            let ([p, q], next) = ([a[k], b[l]], |k: usize| if k == 2 { 0 } else { k + 1 });
+            let [s, t] = of_edges[k].at[l];
+            [p + (a[next(k)] - p) * s, q + (b[next(l)] - q) * t]
+        }
+        Some(Feature::Face { of, corner }) => {
+            let (face, y) = if of == 0 { (a, b[corner]) } else { (b, a[corner]) };
+            let [s, t] = on_faces[of].at[corner];
+            let point = face[0] + (face[1] - face[0]) * s + (face[2] - face[0]) * t;
+            if of == 0 { [point, y] } else { [y, point] }
         }
     };
-    for k in 0..edges[0] {
-        for l in 0..edges[1] {
-            let points = of_edges([a[k], a[(k + 1) % 3]], [b[l], b[(l + 1) % 3]]);
-            take(points, Feature::Edges([k, l]));
-        }
-    }
-    for corner in 0..3 {
-        if corners[1] == 3 && corner < corners[0] {
-            take([a[corner], in_face(b, a[corner])], Feature::Face { of: 1, corner });
-        }
-        if corners[0] == 3 && corner < corners[1] {
-            take([in_face(a, b[corner]), b[corner]], Feature::Face { of: 0, corner });
-        }
-    }
-    (best, feature)
+    (points, best.unwrap_or(Feature::Edges([0; 2])))
 }
 
-/// Near points of two segments (Ericson, *Real-Time Collision Detection*, 5.1.9).
-fn of_edges([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
-    let (g, h, w) = (p_end - p, q_end - q, p - q);
-    let (n, gh) = (g.cross(h), g.dot(h));
+/// Near points of one feature and three others, by their parameters, and their squared distances.
+#[derive(Clone, Copy)]
+struct Near {
+    at: [[f64; 2]; 3],
+    square: [f64; 3],
+}
+
+impl Near {
+    const NONE: Self = Self { at: [[0.0; 2]; 3], square: [f64::INFINITY; 3] };
+
+    #[inline(always)]
+    fn new(s: Lanes, t: Lanes, x: Vectors, y: Vectors) -> Self {
+        let square = length_squared(difference(y, x)).0;
+        let at = |lane: usize| [s.0[lane], t.0[lane]];
+        Self { at: [at(0), at(1), at(2)], square: [square[0], square[1], square[2]] }
+    }
+}
+
+/// Near points of a segment and three others (Ericson, *Real-Time Collision Detection*, 5.1.9).
+#[inline(always)]
+fn near_edges([p, p_end]: [DVec3; 2], q: &Vectors, q_end: &Vectors) -> Near {
+    let (p, g, h) = (splat(p), splat(p_end - p), difference(*q_end, *q));
+    let w = difference(p, *q);
+    let (n, gh) = (cross(g, h), dot(g, h));
     // As products of normals: of dots, those of edges nearly in parallel would cancel.
-    let s = clamped(h.cross(w).dot(n) / n.dot(n));
-    let t = clamped((gh * s + h.dot(w)) / h.dot(h));
-    let s = clamped((gh * t - g.dot(w)) / g.dot(g));
-    [p + g * s, q + h * t]
+    let s = (dot(cross(h, w), n) / dot(n, n)).clamped();
+    let t = ((gh * s + dot(h, w)) / dot(h, h)).clamped();
+    let s = ((gh * t - dot(g, w)) / dot(g, g)).clamped();
+    Near::new(s, t, along(p, g, s), along(*q, h, t))
 }
 
-/// A point of a face that is near `y`: the nearest if that is inside.
-fn in_face([p, q, r]: &[DVec3; 3], y: DVec3) -> DVec3 {
-    let (g, h, w) = (*q - *p, *r - *p, y - *p);
+/// Points of a face that are near three others: the nearest if they are inside.
+#[inline(always)]
+fn on_face(&[p, q, r]: &[DVec3; 3], y: &Vectors) -> Near {
+    let (g, h) = (q - p, r - p);
     let n = g.cross(h);
-    let inverse = 1.0 / n.dot(n);
-    let s = clamped(w.cross(h).dot(n) * inverse);
-    let t = clamped(g.cross(w).dot(n) * inverse).min(1.0 - s);
-    *p + g * s + h * t
+    let inverse = Lanes([1.0 / n.dot(n); 4]);
+    let (p, g, h, n) = (splat(p), splat(g), splat(h), splat(n));
+    let w = difference(*y, p);
+    let s = (dot(cross(w, h), n) * inverse).clamped();
+    let t = (dot(cross(g, w), n) * inverse).clamped().least(Lanes([1.0; 4]) - s);
+    Near::new(s, t, along(along(p, g, s), h, t), *y)
 }
 
-/// Between 0 and 1; 0 if it is not a number.
-fn clamped(x: f64) -> f64 {
-    if x > 0.0 { x.min(1.0) } else { 0.0 }
+/// Four numbers side by side, of which three are used: compilers put them into vector registers.
+#[derive(Clone, Copy)]
+struct Lanes([f64; 4]);
+
+/// Vectors side by side.
+type Vectors = [Lanes; 3];
+
+impl Lanes {
+    #[inline(always)]
+    fn each(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let ([p, q, r, s], [t, u, v, w]) = (self.0, other.0);
+        Self([of(p, t), of(q, u), of(r, v), of(s, w)])
+    }
+
+    /// The less of both; the other if one is not a number.
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        self.each(other, |x, y| if x < y { x } else { y })
+    }
+
+    /// Between 0 and 1; 0 if it is not a number.
+    #[inline(always)]
+    fn clamped(self) -> Self {
+        self.each(Self([0.0; 4]), |x, y| if x > y { x } else { y }).least(Self([1.0; 4]))
+    }
+}
+
+macro_rules! each {
+    ($($trait:ident $method:ident),*) => {$(
+        impl $trait for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.each(other, f64::$method)
+            }
+        }
+    )*};
+}
+
+each!(Add add, Sub sub, Mul mul, Div div);
+
+#[inline(always)]
+fn side_by_side([p, q, r]: &[DVec3; 3]) -> Vectors {
+    [Lanes([p.x, q.x, r.x, r.x]), Lanes([p.y, q.y, r.y, r.y]), Lanes([p.z, q.z, r.z, r.z])]
+}
+
+#[inline(always)]
+fn splat(p: DVec3) -> Vectors {
+    [Lanes([p.x; 4]), Lanes([p.y; 4]), Lanes([p.z; 4])]
+}
+
+#[inline(always)]
+fn difference(p: Vectors, q: Vectors) -> Vectors {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+/// The points p + s g.
+#[inline(always)]
+fn along(p: Vectors, g: Vectors, s: Lanes) -> Vectors {
+    [p[0] + g[0] * s, p[1] + g[1] * s, p[2] + g[2] * s]
+}
+
+#[inline(always)]
+fn dot(p: Vectors, q: Vectors) -> Lanes {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+fn length_squared(p: Vectors) -> Lanes {
+    dot(p, p)
+}
+
+#[inline(always)]
+fn cross(p: Vectors, q: Vectors) -> Vectors {
+    let minor = |j: usize, k: usize| p[j] * q[k] - q[j] * p[k];
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
 }

@@ -1,9 +1,11 @@
 //! Moving meshes against every pair of their triangles.
 
+extern crate std;
+
 use super::rounds;
 use crate::bvh::{BuildOptions, BvhStorage, Refit, morton, node_bound, refit};
 use crate::bvtt::{NodePair, PairBvtt, PosedBvh, SelfBvtt, TrianglePair, Work};
-use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact, impact_in_mesh};
+use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Bvh, Mesh, Node, Pose, Pose64};
 use core::ops::ControlFlow;
