@@ -14,12 +14,6 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         self.a.bvh.root().is_some() && self.b.bvh.root().is_some()
     }
 
-    /// Boxes that contain the corners below both nodes, in the frame of the query, or one that moves with it.
-    #[inline]
-    pub(crate) fn bounds_in_frame(&self, n: NodePair) -> [Bounds; 2] {
-        self.bounds(n)
-    }
-
     /// The children of both nodes, or leaves themselves.
     #[inline]
     pub(crate) fn children_of(&self, n: NodePair) -> [Range<u32>; 2] {

@@ -439,7 +439,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     }
 
     /// The boxes of both nodes in the frame in which all boxes are compared.
-    pub(super) fn bounds(&self, n: NodePair) -> [Bounds; 2] {
+    pub(crate) fn bounds(&self, n: NodePair) -> [Bounds; 2] {
         let Self { a, b, box_poses: [pose_a, pose_b], .. } = self;
         [
             posed(pose_a.as_ref(), &a.bvh.node(n.a).bounds()),

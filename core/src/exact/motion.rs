@@ -18,6 +18,7 @@
 
 use super::integer::Axis;
 use super::wide::Wide;
+use crate::triangle::{Feature, features};
 
 /// Limbs for coordinates of up to 68 bits: those of most meshes are shorter.
 const LIMBS: usize = 8;
@@ -98,7 +99,7 @@ impl Question<'_> {
         let open =
             |time| Verdict::Near { from: rounded_down(time).max(self.from), to: f64::INFINITY };
         let (mut time, mut level, mut growth) = ((self.from * END as f64) as u64, FIRST, 1);
-        let mut last = Direction::Face(0);
+        let mut last = Direction::Normal(Feature::Face { of: 0, corner: 0 });
         for _ in 0..INTERVALS {
             let interval = Interval::new(&ends, time, level, self.count);
             let until = ((time >> (DEEPEST - level)) + 1) << (DEEPEST - level);
@@ -149,10 +150,8 @@ fn rounded_up(time: u64) -> f64 {
 /// A direction along which heights are compared.
 #[derive(Clone, Copy, Debug)]
 enum Direction {
-    /// The normal of the face of one triangle, which moves with it.
-    Face(usize),
-    /// The normal of an edge of each, by their first corners.
-    Edges([usize; 2]),
+    /// The normal of a face or of two edges, which moves with these.
+    Normal(Feature),
     /// From the foot of a corner on an edge of the other triangle, by its first corner.
     Foot { corner: usize, edge: usize },
     /// From a corner of the first triangle to one of the second.
@@ -179,13 +178,10 @@ impl<const L: usize> Interval<L> {
         let [whole, passed] =
             [1 << level, time >> (DEEPEST - level)].map(|x| Wide::new(x as i64, 0));
         for k in interval.corners(0).chain(interval.corners(1)).skip(1) {
-            for axis in 0..3 {
-                let [start, end] = [0, 1].map(|end: usize| motion[end][k][axis]);
-                let step = end - start;
-                let before = start * whole + step * passed;
-                interval.ends[0][k][axis] = before;
-                interval.ends[1][k][axis] = before + step;
-            }
+            let step = minus(&motion[1][k], &motion[0][k]);
+            let before = [0, 1, 2].map(|axis| motion[0][k][axis] * whole + step[axis] * passed);
+            interval.ends[0][k] = before;
+            interval.ends[1][k] = sum(&[before, step]);
         }
         interval
     }
@@ -201,16 +197,6 @@ impl<const L: usize> Interval<L> {
         3 * of..3 * of + edges
     }
 
-    fn faces(&self) -> impl Iterator<Item = usize> {
-        let count = self.count;
-        (0..2).filter(move |&of| count[of] == 3)
-    }
-
-    fn pairs_of_edges(&self) -> impl Iterator<Item = [usize; 2]> {
-        let others = self.edges(1);
-        self.edges(0).flat_map(move |k| others.clone().map(move |l| [k, l]))
-    }
-
     fn directions(&self) -> impl Iterator<Item = Direction> {
         let (corners, edges) = ([self.corners(0), self.corners(1)], [self.edges(0), self.edges(1)]);
         let pairs = corners[0].clone().flat_map({
@@ -223,8 +209,10 @@ impl<const L: usize> Interval<L> {
                 edges.clone().map(move |edge| Direction::Foot { corner, edge })
             })
         });
-        let faces = self.faces().map(Direction::Face);
-        faces.chain(self.pairs_of_edges().map(Direction::Edges)).chain(feet).chain(pairs)
+        // A face has one normal.
+        let normals =
+            features(self.count).filter(|f| !matches!(f, Feature::Face { corner: 1.., .. }));
+        normals.map(Direction::Normal).chain(feet).chain(pairs)
     }
 
     /// A vector from a corner to another, at both ends.
@@ -235,12 +223,13 @@ impl<const L: usize> Interval<L> {
     /// Whether all of the second triangle is strictly on one side of the first along a direction, all through the interval.
     fn is_separated(&self, direction: Direction) -> bool {
         match direction {
-            Direction::Face(of) => {
+            Direction::Normal(Feature::Face { of, .. }) => {
                 let (o, others) = (3 * of, self.corners(1 - of));
                 let (u, v) = (self.between(o, o + 1), self.between(o, o + 2));
                 one_sided(&u, &v, others.map(|corner| self.between(o, corner)))
             }
-            Direction::Edges([k, l]) => {
+            Direction::Normal(Feature::Edges([k, l])) => {
+                let l = l + 3;
                 let (u, v) = (self.between(k, next(k)), self.between(l, next(l)));
                 // A segment has no third corner.
                 let beside = |k: usize, of: usize| {
@@ -272,17 +261,19 @@ impl<const L: usize> Interval<L> {
 
     /// Whether a corner certainly passes a face, or an edge an edge.
     fn certainly_meet(&self) -> bool {
-        let faces = self.faces().flat_map(|of| self.corners(1 - of).map(move |c| [3 * of, c]));
-        let passes_face = |[o, corner]: [usize; 2]| {
-            let [u, v, w] = [o + 1, o + 2, corner].map(|to| self.between(o, to));
-            !has_strict_sign(&u, &v, &w) && (0..3).any(|axis| self.is_inside(o, corner, axis))
-        };
-        let passes_edge = |[k, l]: [usize; 2]| {
-            let [u, v] = [k, l].map(|from| self.between(from, next(from)));
-            !has_strict_sign(&u, &v, &self.between(k, l))
-                && (0..3).any(|axis| self.cross(k, l, axis))
-        };
-        faces.into_iter().any(passes_face) || self.pairs_of_edges().any(passes_edge)
+        features(self.count).any(|feature| match feature {
+            Feature::Face { of, corner } => {
+                let (o, corner) = (3 * of, 3 - 3 * of + corner);
+                let [u, v, w] = [o + 1, o + 2, corner].map(|to| self.between(o, to));
+                !has_strict_sign(&u, &v, &w) && (0..3).any(|axis| self.is_inside(o, corner, axis))
+            }
+            Feature::Edges([k, l]) => {
+                let l = l + 3;
+                let [u, v] = [k, l].map(|from| self.between(from, next(from)));
+                !has_strict_sign(&u, &v, &self.between(k, l))
+                    && (0..3).any(|axis| self.cross(k, l, axis))
+            }
+        })
     }
 
     /// Whether a corner is in a face all through the interval, seen along an axis, which never sees the face edge-on.

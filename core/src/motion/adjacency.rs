@@ -126,9 +126,9 @@ pub(super) fn are_certainly_apart(
     [a, b]: [&MovingTriangle; 2],
 ) -> bool {
     let (mut shared, mut count) = ([[0; 2]; 2], 0);
-    for i in 0..3 {
-        for j in 0..3 {
-            if of_a[i] == of_b[j] {
+    for (i, vertex) in of_a.iter().enumerate() {
+        for (j, other) in of_b.iter().enumerate() {
+            if vertex == other {
                 if count == 2 {
                     return false;
                 }

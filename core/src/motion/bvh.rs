@@ -38,20 +38,12 @@ pub enum MotionError {
         /// The first triangle that differs.
         triangle: usize,
     },
-    /// The nodes are not the same but for their boxes, or how many there are.
+    /// The nodes are not the same but for their boxes, or how many there are, or the order of triangles in their leaves.
     #[error(
-        "node {node} at the start of the motion has other triangles or children at the end: refit, do not build"
+        "node or order entry {entry} at the start of the motion differs at the end: refit, do not build"
     )]
-    Node {
-        /// The first node that differs.
-        node: usize,
-    },
-    /// The triangles are in another order.
-    #[error(
-        "entry {entry} of the order at the start of the motion is another at the end: refit, do not build"
-    )]
-    Order {
-        /// The first entry that differs.
+    Tree {
+        /// The first node, or entry of the order, that differs.
         entry: usize,
     },
 }
@@ -72,14 +64,9 @@ impl<'a> MovingBvh<'a> {
         if let Some(triangle) = first_difference(triangles, |p, q| p == q) {
             return Err(MotionError::Triangle { triangle });
         }
-        if let Some(entry) = first_difference(order, |p, q| p == q) {
-            return Err(MotionError::Order { entry });
-        }
         let is_same = |p: &crate::Node, q: &crate::Node| (p.first, p.count) == (q.first, q.count);
-        match first_difference(nodes, is_same) {
-            Some(node) => Err(MotionError::Node { node }),
-            None => Ok(Self { start, end }),
-        }
+        let differs = first_difference(order, |p, q| p == q).or(first_difference(nodes, is_same));
+        differs.map_or(Ok(Self { start, end }), |entry| Err(MotionError::Tree { entry }))
     }
 }
 

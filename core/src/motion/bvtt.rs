@@ -7,7 +7,6 @@ use super::impact::{Impact, impact_of};
 use super::leaf::{Leaf, LeafCache};
 use crate::bvh::MAX_DEPTH;
 use crate::bvtt::{Bvtt, NodePair, PairBvtt, SelfBvtt, TrianglePair, Work};
-use crate::simd::{Simd, Task, VECTORS, widest};
 use crate::triangle::Adjacency;
 use core::ops::ControlFlow;
 
@@ -225,7 +224,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     /// The first time at which the boxes of both nodes overlap.
     #[inline]
     fn first_overlap(&self, n: NodePair) -> Option<f64> {
-        first_overlap(&self.start.bounds_in_frame(n), &self.end.bounds_in_frame(n))
+        first_overlap(&self.start.bounds(n), &self.end.bounds(n))
     }
 
     /// Passes on the children of a node pair that overlap at a time, and the first. Returns the number of box tests.
@@ -255,21 +254,8 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         tests
     }
 
-    /// Visits pairs below a node pair, in the widest vectors that there are.
-    fn traverse(
-        &self,
-        n: NodePair,
-        work: &mut Work,
-        limit: f64,
-        visit: &mut Visitor<'_>,
-    ) -> ControlFlow<()> {
-        let task = Traversal { tree: self, n, work, limit, visit };
-        if VECTORS { widest(task) } else { task.run::<f32>() }
-    }
-
     /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
-    #[inline(always)]
-    fn traverse_below(
+    fn traverse(
         &self,
         n: NodePair,
         work: &mut Work,
@@ -334,24 +320,6 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
             }
         }
         ControlFlow::Continue(())
-    }
-}
-
-/// The arguments of a traversal, as a [`Task`] that is compiled for each width of vectors.
-struct Traversal<'t, 'v, 'a, const SELF: bool> {
-    tree: &'t MovingBvtt<'a, SELF>,
-    n: NodePair,
-    work: &'t mut Work,
-    limit: f64,
-    visit: &'t mut Visitor<'v>,
-}
-
-impl<const SELF: bool> Task for Traversal<'_, '_, '_, SELF> {
-    type Output = ControlFlow<()>;
-
-    #[inline(always)]
-    fn run<S: Simd>(self) -> ControlFlow<()> {
-        self.tree.traverse_below(self.n, self.work, self.limit, self.visit)
     }
 }
 

@@ -82,7 +82,7 @@ impl MovingPair {
             let ([x, y], features) = near_points([&[a, b, c], &[d, e, f]], self.corners);
             feature = features;
             let along = y - x;
-            if !(along.length_squared() > reach * reach) {
+            if along.length_squared() <= reach * reach {
                 break;
             }
             let n = normal(&corners, feature);

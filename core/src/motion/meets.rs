@@ -2,7 +2,7 @@
 
 use super::apart::edges;
 use super::pair::{MovingPair, UNDERFLOWN, UNIT};
-use crate::triangle::Feature;
+use crate::triangle::{Feature, features};
 use glam::{DVec2, DVec3};
 
 /// A determinant of three differences of corners at one time has to exceed so much of the product of the ranges: six products, each off by 27 u
@@ -28,23 +28,11 @@ impl MovingPair {
             let ends = [(time - width).max(0.0), (time + width).min(1.0)];
             let corners = ends.map(|end| self.at(end));
             let passes = |feature: Feature| self.passes(&corners, feature);
-            if passes(hint) || self.features().any(passes) || self.cross(&corners[1]) {
+            if passes(hint) || features(self.corners).any(passes) {
                 return Some(ends[1]);
             }
         }
         None
-    }
-
-    /// All pairs of a corner and a face, and of two edges.
-    fn features(&self) -> impl Iterator<Item = Feature> {
-        let [a, b] = self.corners;
-        let edges = |corners: usize| if corners == 3 { 3 } else { corners - 1 };
-        let faces = (0..2_usize).flat_map(move |of| {
-            let corners = if [a, b][of] == 3 { [b, a][of] } else { 0 };
-            (0..corners).map(move |corner| Feature::Face { of, corner })
-        });
-        let pairs = (0..edges(a)).flat_map(move |k| (0..edges(b)).map(move |l| [k, l]));
-        faces.chain(pairs.map(Feature::Edges))
     }
 
     /// Whether the two features certainly have a point in common at a time between those of `corners`.
@@ -95,33 +83,6 @@ impl MovingPair {
         let coefficients = [u[0].perp_dot(v[0]), middle, u[1].perp_dot(v[1])];
         i32::from(coefficients.iter().all(|x| *x > margin))
             - i32::from(coefficients.iter().all(|x| *x < -margin))
-    }
-
-    /// Whether an edge of one triangle certainly crosses the face of the other where the corners are `corners`: its ends are on different sides
-    /// of the plane, and its line passes all edges of the face on the same side.
-    fn cross(&self, corners: &[DVec3; 6]) -> bool {
-        let margin = self.volume() * DETERMINANT + UNDERFLOWN;
-        let side = |points: [usize; 4]| {
-            let x = determinant(corners, points);
-            i32::from(x > margin) - i32::from(x < -margin)
-        };
-        (0..2).filter(|&of| self.corners[of] == 3).any(|of| {
-            let ([p, q, r], other) = ([0, 1, 2].map(|k| 3 * of + k), 3 - 3 * of);
-            let edges = match self.corners[1 - of] {
-                3 => 3,
-                corners => corners - 1,
-            };
-            let sides = [0, 1, 2].map(|k| side([p, q, r, other + k]));
-            (0..edges).any(|k| {
-                let end = (k + 1) % 3;
-                let (from, to) = (other + k, other + end);
-                if sides[k] * sides[end] >= 0 {
-                    return false;
-                }
-                let first = side([from, to, p, q]);
-                first != 0 && side([from, to, q, r]) == first && side([from, to, r, p]) == first
-            })
-        })
     }
 }
 

@@ -45,7 +45,7 @@ pub use in_mesh::{Adjacency, intersects_in_mesh};
 pub(crate) use meet::meet_of;
 pub use meet::{Meet, Region, meet, meet_f64};
 #[cfg(feature = "motion")]
-pub(crate) use nearest::{Feature, near_points};
+pub(crate) use nearest::{Feature, features, near_points};
 #[cfg(feature = "within")]
 pub(crate) use nearest::{Nearest, UNDERFLOW, nearest};
 #[cfg(feature = "relation")]

@@ -29,6 +29,16 @@ pub(crate) enum Feature {
     Face { of: usize, corner: usize },
 }
 
+/// All pairs of a corner and a face, and of two edges, of two triangles of which so many corners differ.
+#[cfg(feature = "motion")]
+pub(crate) fn features(corners: [usize; 2]) -> impl Iterator<Item = Feature> {
+    let [a, b] = corners.map(|corners| if corners == 3 { 3 } else { corners - 1 });
+    let faces = (0..2_usize)
+        .filter(move |&of| corners[of] == 3)
+        .flat_map(move |of| (0..corners[1 - of]).map(move |corner| Feature::Face { of, corner }));
+    faces.chain((0..a).flat_map(move |k| (0..b).map(move |l| Feature::Edges([k, l]))))
+}
+
 /// Near points of two triangles whose corners are in range: those of an edge of each, or of a corner and the other triangle.
 pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
     let origin = DVec3::from_array(a[0]);

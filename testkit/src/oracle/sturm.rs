@@ -197,7 +197,8 @@ impl Add for &Polynomial {
 impl Sub for &Polynomial {
     type Output = Polynomial;
     fn sub(self, other: Self) -> Polynomial {
-        self + &Polynomial(other.0.iter().map(|c| -c).collect())
+        let negative = Polynomial(other.0.iter().map(|c| -c).collect());
+        self.add(&negative)
     }
 }
 

@@ -220,7 +220,7 @@ fn what_is_no_motion_is_refused() {
     assert_eq!(refused(&soup, &changed), Some(MotionError::Triangle { triangle: 5 }));
     changed.triangles = soup.triangles.clone();
     changed.order = soup.order.iter().rev().copied().collect();
-    assert!(matches!(refused(&soup, &changed), Some(MotionError::Order { .. })));
+    assert!(matches!(refused(&soup, &changed), Some(MotionError::Tree { .. })));
     let fewer = Soup::new(&mut rng, 8, 0.2);
     assert!(matches!(refused(&soup, &fewer), Some(MotionError::Triangle { .. })));
 }

@@ -186,7 +186,7 @@ fn neighbours_as_the_oracle() {
             match found {
                 // Without a motion the other rule holds.
                 None if start == end => {
-                    assert!(!intersects_in_mesh(start_mesh, 0, 1, Adjacency::SharedIndexRule))
+                    assert!(!intersects_in_mesh(start_mesh, 0, 1, Adjacency::SharedIndexRule));
                 }
                 None => assert!(!meet(0.0, 1.0), "{place}"),
                 Some(Impact { from, to }) => {
