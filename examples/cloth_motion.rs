@@ -48,7 +48,7 @@ fn main() -> Result<(), Error> {
                 all.chain(with_itself.iter().map(|(pair, impact)| (Some(pair.a), pair.b, impact)));
             let first = all.clone().map(|(.., impact)| impact.from).reduce(f64::min);
             let Some(first) = first else { break moved };
-            // A cloth that is hit before the others will have moved far.
+            // Triangles are stopped that are hit before the others will have moved far.
             let soon = all.filter(|(.., impact)| impact.from <= first + 0.2);
             hit.extend(soon.flat_map(|(a, b, _)| a.into_iter().chain([b])));
             // A shorter step is rounded anew, and so it is asked about again.

@@ -1,4 +1,4 @@
-//! Triangles of models that move and meet on the way, and when they first do: by the CPU of an executor.
+//! Impacts of models that move: which triangles meet on the way, and when first, by the CPU of an executor.
 
 use crate::environment::with_default;
 use crate::executor::{Backend, CpuPart, History, check};

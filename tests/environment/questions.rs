@@ -95,7 +95,7 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
     named
 }
 
-/// The third number of a position is subnormal: the motion of the whole is of the size of the model.
+/// One coordinate of the motion is subnormal.
 fn motions(named: &mut Named, subjects: &Subjects, on: &Executor) {
     let mut add = |verb: &str, hits: Vec<_>| named.push((verb.to_owned(), Answer::Impacts(hits)));
     for (kind, [a, b]) in [("f32", &subjects.models), ("f64", &subjects.in_f64)] {

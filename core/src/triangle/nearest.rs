@@ -4,12 +4,14 @@ use core::ops::{Add, Div, Mul, Sub};
 use glam::DVec3;
 
 /// 2^-500, above lengths whose squares underflow in f64, or nearly do.
+#[cfg(feature = "within")]
 pub(crate) const UNDERFLOW: f64 = 3.054_936_363_499_605e-151;
 
 /// Near points of two triangles. They are found by a fixed sequence of operations, so that equal corners have equal points.
 ///
 /// With R the largest absolute coordinate of a corner relative to the first of `a`, both lengths are off by less than
 /// 64 · 2^-53 · R, and by [`UNDERFLOW`]: the bounds of `bvtt::nearest`, where u is that of f64.
+#[cfg(feature = "within")]
 pub(crate) struct Nearest {
     /// One of each: the nearest but for rounding, unless the triangles intersect.
     pub(crate) points: [DVec3; 2],
@@ -40,6 +42,7 @@ pub(crate) fn features(corners: [usize; 2]) -> impl Iterator<Item = Feature> {
 }
 
 /// Near points of two triangles whose corners are in range: those of an edge of each, or of a corner and the other triangle.
+#[cfg(feature = "within")]
 pub(crate) fn nearest(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> Nearest {
     let origin = DVec3::from_array(a[0]);
     let [a, b] = [a, b].map(|t| t.map(|p| DVec3::from_array(p) - origin));

@@ -57,35 +57,26 @@ impl MotionFamily {
     /// Two triangles at the start and at the end.
     pub fn pair(self, rng: &mut impl Rng) -> [MovingTriangle; 2] {
         match self {
-            Self::Lattice2 => lattice(rng, 2),
-            Self::Lattice9 => lattice(rng, 9),
-            Self::Degenerate => degenerate(rng),
-            Self::Random => each(|| point(rng, 1.0)),
-            Self::Passing => passing(rng),
-            Self::Grazing => grazing(rng),
-            Self::Turning => turning(rng),
-            Self::Flat => flat(rng),
-            Self::Landing => landing(rng),
             Self::Offset => {
                 let at = point(rng, 1e4);
-                changed(Self::basic(rng), |p| add(p, at))
+                changed(any(rng), |p| add(p, at))
             }
-            Self::Rounded => changed(Self::basic(rng), |p| p.map(|x| f64::from(x as f32))),
+            Self::Rounded => changed(any(rng), |p| p.map(|x| f64::from(x as f32))),
             Self::Scaled => {
                 let size = 10_f64.powi(rng.random_range(-38..37));
-                changed(Self::basic(rng), |p| p.map(|x| x * size))
+                changed(any(rng), |p| p.map(|x| x * size))
             }
             Self::Still => {
                 let moved = if rng.random() { [0.0; 3] } else { [1.0, -2.0, 0.5] };
-                Self::basic(rng).map(|[start, _]| [start, start.map(|p| add(p, moved))])
+                any(rng).map(|[start, _]| [start, start.map(|p| add(p, moved))])
             }
+            basic => basic.basic(rng),
         }
     }
 
-    /// A pair of a family whose coordinates are of moderate size.
-    fn basic(rng: &mut impl Rng) -> [MovingTriangle; 2] {
-        let family = Self::ALL[rng.random_range(0..9)];
-        match family {
+    /// A pair of a family that none other is made of.
+    fn basic(self, rng: &mut impl Rng) -> [MovingTriangle; 2] {
+        match self {
             Self::Lattice2 => lattice(rng, 2),
             Self::Lattice9 => lattice(rng, 9),
             Self::Degenerate => degenerate(rng),
@@ -97,6 +88,11 @@ impl MotionFamily {
             _ => landing(rng),
         }
     }
+}
+
+/// A pair of one of the families before [`MotionFamily::Offset`], whose coordinates are of moderate size.
+fn any(rng: &mut impl Rng) -> [MovingTriangle; 2] {
+    MotionFamily::ALL[rng.random_range(0..9)].basic(rng)
 }
 
 fn lattice(rng: &mut impl Rng, size: i32) -> [MovingTriangle; 2] {
