@@ -109,7 +109,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     ///
     /// # Complexity
     /// Four box tests a node pair, and some hundred nanoseconds for two triangles whose boxes overlap at a time; no allocation, no recursion,
-    /// below 64 KiB of stack.
+    /// bounded stack.
     pub fn visit_below(
         &self,
         n: NodePair,
