@@ -1,13 +1,12 @@
 //! Triangles of models that move and meet on the way.
 
 use crate::memory::{Call, Done};
-use crate::model::pfront_model_t;
+use crate::model::{pfront_impact_t, pfront_model_t};
 use crate::pose::pfront_pose64_t;
 use crate::query::pfront_rule_t;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_MOTION;
 use crate::subject::{ModelQuery, fault, pfront_model_query_t};
-use crate::verbs::pfront_pair_t;
 use pfront::{Impact, Model, Motion, Pose64, TrianglePair};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
@@ -25,24 +24,6 @@ pub struct pfront_motion_t {
     pub from: *const pfront_pose64_t,
     /// The pose at time 1; null if it is the first.
     pub to: *const pfront_pose64_t,
-}
-
-/// When two triangles meet first, as far as it is proven.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pfront_impact_t {
-    /// The triangles.
-    pub pair: pfront_pair_t,
-    /// They do not meet before this time.
-    pub from: f64,
-    /// They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
-    pub to: f64,
-}
-
-fn for_c(
-    &(TrianglePair { a, b }, Impact { from, to }): &(TrianglePair, Impact),
-) -> pfront_impact_t {
-    pfront_impact_t { pair: pfront_pair_t { a, b }, from, to }
 }
 
 /// A motion whose models are held.
@@ -131,7 +112,7 @@ fn pfront_model_query_impacts(
     let query = call.owned(c"query", query)?;
     query.own.check(c"query")?;
     let found = found(call, query, a, b, rule, false)?;
-    out.set(&mut query.impacts, found.iter().map(for_c))
+    out.set(&mut query.impacts, found.into_iter().map(pfront_impact_t::from))
 }
 
 /// Finds the pair of triangles that meets first: `found` is 1 and `impact` tells it, or `found` is 0 and `impact` is not written. All else is
@@ -150,6 +131,6 @@ fn pfront_model_query_first_impact(
     let query = call.owned(c"query", query)?;
     query.own.check(c"query")?;
     let first = self::found(call, query, a, b, rule, true)?;
-    out.set_some(is_found, first.first().map(for_c));
+    out.set_some(is_found, first.into_iter().next().map(pfront_impact_t::from));
     Ok(())
 }

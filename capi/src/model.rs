@@ -6,7 +6,7 @@ use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_DAMAGED;
 use crate::verbs::pfront_pair_t;
 use core::ffi::{CStr, c_void};
-use pfront::{ContactPatch, Model, SegmentHit, Solid};
+use pfront::{ContactPatch, Impact, Model, SegmentHit, Solid, TrianglePair};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -97,6 +97,24 @@ impl From<ContactPatch> for pfront_patch_t {
             length: patch.length,
             area: patch.area,
         }
+    }
+}
+
+/// When two triangles meet first, as far as it is proven.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pfront_impact_t {
+    /// The triangles.
+    pub pair: pfront_pair_t,
+    /// They do not meet before this time.
+    pub from: f64,
+    /// They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
+    pub to: f64,
+}
+
+impl From<(TrianglePair, Impact)> for pfront_impact_t {
+    fn from((pair, Impact { from, to }): (TrianglePair, Impact)) -> Self {
+        Self { pair: pair.into(), from, to }
     }
 }
 

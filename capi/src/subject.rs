@@ -1,9 +1,8 @@
 //! Questions about models, frame by frame or many at once.
 
 use crate::executor::{OwnExecutor, pfront_executor_t};
-use crate::impacts::pfront_impact_t;
 use crate::memory::{Call, Done, Handle};
-use crate::model::{Solids, pfront_model_t, pfront_patch_t, pfront_segment_hit_t};
+use crate::model::{Solids, pfront_impact_t, pfront_model_t, pfront_patch_t, pfront_segment_hit_t};
 use crate::pose::{pfront_pose_t, pfront_pose64_t};
 use crate::query::pfront_rule_t;
 use crate::status::Fault;
