@@ -36,7 +36,7 @@ struct Held {
 impl Held {
     fn new(call: &mut Call<'_>, motion: pfront_motion_t) -> Result<Self, Fault> {
         let start = call.cloned(c"start", motion.start)?;
-        let mut pose = |name, pose: *const pfront_pose64_t| match pose.is_null() {
+        let pose = |name, pose: *const pfront_pose64_t| match pose.is_null() {
             true => Ok(None),
             false => Ok::<_, Fault>(Some(Pose64::new(call.get(name, pose)?.rows))),
         };

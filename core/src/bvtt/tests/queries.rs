@@ -2,7 +2,9 @@
 
 extern crate std;
 
-use super::super::{Cursor, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair, Work};
+use super::super::{
+    AnyBvtt, Cursor, Estimated, NodePair, PairBvtt, PosedBvh, Query, SelfBvtt, TrianglePair, Work,
+};
 use super::steps::in_steps;
 use super::{at_one_go, push, with_certificates};
 use crate::bvh::tests::Owned;
@@ -249,6 +251,17 @@ fn a_reference_to_a_query_is_that_query() {
     let by_reference: &_ = &query;
     assert_eq!(described(by_reference, pair), expected);
     assert_eq!(described(query, pair), expected);
+    // So is one of either kind.
+    let any = AnyBvtt::Pair(query);
+    assert_eq!(described(any, pair), expected);
+    assert_eq!(any.contact_f64(pair), query.contact_f64(pair));
+    let root = NodePair::ROOT;
+    assert_eq!(any.triangles_below(root), query.triangles_below(root));
+    let mut children = [Vec::new(), Vec::new()];
+    let [own, others] = &mut children;
+    let tests = any.children(root, &mut |n, boxes| own.push((n, boxes)));
+    assert_eq!(tests, query.children(root, &mut |n, boxes| others.push((n, boxes))));
+    assert!(children[0] == children[1] && !children[0].is_empty());
 }
 
 #[test]
