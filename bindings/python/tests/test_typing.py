@@ -101,7 +101,7 @@ def test_help_and_the_readme_list_everything_that_is_public():
     listed, rows = [], re.findall(r"^      (\S+(?:, \S+)*)  ", table, re.M)
     for name in ", ".join(rows).split(", "):
         listed.append(listed[-1].partition(".")[0] + name if name.startswith(".") else name)
-    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps, pf.ContactPatch, pf.CheckReport, pf.CheckedPair, pf.ContactSize]
+    kinds = [pf.Mesh, pf.Scene, pf.Hits, pf.Contacts, pf.Ragged, pf.Gap, pf.Gaps, pf.ContactPatch, pf.Impact, pf.Impacts, pf.CheckReport, pf.CheckedPair, pf.ContactSize]
     members = {f"{kind.__name__}.{name}" for kind in kinds for name in {*vars(kind), *vars(kind).get("__annotations__", ())}}
     assert sorted(listed) == sorted({*pf.__all__, *(name for name in members if "._" not in name)})
     indented = "\n".join(line[4:] for line in table.splitlines())
