@@ -170,6 +170,7 @@ fn solids(named: &mut Named, on: &Executor) {
     let model = Model::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).unwrap();
     let model = Arc::new(model);
     let solid = Solid::new(model.clone()).unwrap();
+    let surface = Solid::surface(model.clone()).unwrap();
     let mut query = PairQuery::new().on(on);
     let offsets =
         [[0.0; 3], [1e-40, 0.0, 1e-39], [0.1, 0.3, 0.0], [0.7, 1e-40, 0.1], [1.0, 0.0, 0.0]];
@@ -178,6 +179,9 @@ fn solids(named: &mut Named, on: &Executor) {
         let between = query.relation(&solid, &solid, pose).unwrap();
         let word = between.relation.map_or(99, |relation| relation as u64);
         named.push((format!("PairQuery::relation, {number}"), Answer::Count(word)));
+        let between = query.relation(&surface, &solid, pose).unwrap();
+        let word = between.relation.map_or(99, |relation| relation as u64);
+        named.push((format!("PairQuery::relation, surface, {number}"), Answer::Count(word)));
         let volume = query.overlap_volume(&solid, &solid, pose).unwrap();
         named.push((format!("PairQuery::overlap_volume, {number}"), vec![Some(volume)].into()));
         let mut scene = SceneQuery::new().on(on);

@@ -41,7 +41,7 @@ const SURFACE: [(&str, &str, &str, &str); 16] = [
         "segment segment_first inside",
         "",
     ),
-    ("Solid", include_str!("../../src/solid.rs"), "new inside", "model rule marked_pair"),
+    ("Solid", include_str!("../../src/solid.rs"), "new surface inside", "model rule marked_pair"),
     (
         "SceneQuery's bodies",
         include_str!("../../src/scene/edit.rs"),
