@@ -32,7 +32,7 @@ impl PairQuery {
         b: &Motion<'_>,
     ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
         let history = self.query.history();
-        with_default(|| impacts(history, &PairBvtt::moving(a.bvh()?, b.bvh()?)))
+        with_default(|| impacts(history, &PairBvtt::moving(a.bvh(), b.bvh())))
     }
 
     /// The pair of triangles that meets first, by `from` and then by the pair, and when, if any does.
@@ -48,7 +48,7 @@ impl PairQuery {
         b: &Motion<'_>,
     ) -> Result<Option<(TrianglePair, Impact)>, Error> {
         let history = self.query.history();
-        with_default(|| first_impact(history, &PairBvtt::moving(a.bvh()?, b.bvh()?)))
+        with_default(|| first_impact(history, &PairBvtt::moving(a.bvh(), b.bvh())))
     }
 }
 
@@ -64,9 +64,7 @@ impl SelfQuery {
     pub fn impacts(&mut self, motion: &Motion<'_>) -> Result<Vec<(TrianglePair, Impact)>, Error> {
         let adjacency = self.adjacency();
         let history = self.history();
-        with_default(|| {
-            impacts(history, &SelfBvtt::moving(motion.bvh()?).with_adjacency(adjacency))
-        })
+        with_default(|| impacts(history, &SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency)))
     }
 
     /// The pair of triangles of one model that meets first while it deforms.
@@ -80,7 +78,7 @@ impl SelfQuery {
         let adjacency = self.adjacency();
         let history = self.history();
         with_default(|| {
-            first_impact(history, &SelfBvtt::moving(motion.bvh()?).with_adjacency(adjacency))
+            first_impact(history, &SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency))
         })
     }
 }

@@ -3,10 +3,9 @@
 use crate::memory::{Call, Done};
 use crate::model::{pfront_impact_t, pfront_model_t};
 use crate::pose::pfront_pose64_t;
-use crate::query::pfront_rule_t;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_MOTION;
-use crate::subject::{ModelQuery, fault, pfront_model_query_t};
+use crate::subject::{self, ModelQuery, fault, of_rule, pfront_model_query_t};
 use pfront::{Impact, Model, Motion, Pose64, TrianglePair};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
@@ -74,10 +73,9 @@ fn found(
 ) -> Result<Vec<(TrianglePair, Impact)>, Fault> {
     let a = call.get(c"a", a)?;
     let a = Held::new(call, a)?;
-    Fault::below(c"rule", rule as usize, 2)?;
+    let rule = subject::rule(rule)?;
     if b.is_null() {
-        let own =
-            &mut query.within[usize::from(rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32)];
+        let own = of_rule(&mut query.within, rule);
         let motion = a.motion().map_err(fault)?;
         return match is_first {
             true => own.first_impact(&motion).map(|first| first.into_iter().collect()),

@@ -45,9 +45,7 @@ impl Subject {
             if !subject.a_from_b.is_null() || !subject.a_from_b_f64.is_null() {
                 return Err(Fault::of(PFRONT_NULL, c"b"));
             }
-            Fault::below(c"rule", subject.rule as usize, 2)?;
-            let skips = subject.rule == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32;
-            let rule = if skips { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule };
+            let rule = rule(subject.rule)?;
             return Ok(Self::Itself(a, rule));
         }
         let b = call.cloned(c"b", subject.b)?;
@@ -189,8 +187,15 @@ pub(crate) fn asked<'c>(
     Ok((query, Subject::new(call, subject)?))
 }
 
+/// The rule of this number.
+pub(crate) fn rule(number: u32) -> Result<Adjacency, Fault> {
+    Fault::below(c"rule", number as usize, 2)?;
+    let skips = number == pfront_rule_t::PFRONT_SKIP_NEIGHBOURS as u32;
+    Ok(if skips { Adjacency::SkipNeighbours } else { Adjacency::SharedIndexRule })
+}
+
 /// The query for a rule.
-fn of_rule(within: &mut [SelfQuery; 2], rule: Adjacency) -> &mut SelfQuery {
+pub(crate) fn of_rule(within: &mut [SelfQuery; 2], rule: Adjacency) -> &mut SelfQuery {
     let [shared, skips] = within;
     if rule == Adjacency::SkipNeighbours { skips } else { shared }
 }

@@ -1,7 +1,9 @@
 //! The arguments of the command line.
 
+mod impacts;
 mod listing;
 
+pub(crate) use impacts::Impacts;
 pub(crate) use listing::{Format, Listing};
 
 use anyhow::Result;
@@ -283,7 +285,7 @@ impl TwoMeshes {
 
     fn rows(&self) -> [[f64; 4]; 3] {
         if let Some(m) = self.pose {
-            return [0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
+            return rows_of(m);
         }
         let [x, y, z, degrees] = self.rotate.unwrap_or_default();
         let axis = glam::DVec3::new(x, y, z).normalize_or_zero();
@@ -313,6 +315,11 @@ fn matrix(text: &str) -> Result<[f64; 12], String> {
     if is_point { Err("it would shrink B to a point".to_owned()) } else { Ok(rows) }
 }
 
+/// The rows of twelve numbers.
+fn rows_of(m: [f64; 12]) -> [[f64; 4]; 3] {
+    [0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]])
+}
+
 /// An axis, which must have a length, and degrees.
 fn rotation(text: &str) -> Result<[f64; 4], String> {
     let numbers = numbers::<4>(text)?;
@@ -335,53 +342,6 @@ pub(crate) struct SelfCollision {
     pub(crate) listing: Listing,
     #[command(flatten)]
     pub(crate) executor: ExecutorArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Impacts {
-    /// The first mesh at time 0
-    pub(crate) a: PathBuf,
-    /// The second; without it, the first is asked about itself
-    pub(crate) b: Option<PathBuf>,
-    /// The first mesh at time 1, with the same triangles; without it, it stays
-    #[arg(long, value_name = "FILE")]
-    pub(crate) end_a: Option<PathBuf>,
-    /// The second mesh at time 1
-    #[arg(long, value_name = "FILE", requires = "b", conflicts_with_all = ["pose_end", "translate_end"])]
-    pub(crate) end_b: Option<PathBuf>,
-    /// Pose of the second mesh at time 1: 12 numbers separated by commas, a 3×4 matrix row by row
-    #[arg(
-        long,
-        value_name = "M",
-        allow_hyphen_values = true,
-        requires = "b",
-        conflicts_with = "translate_end"
-    )]
-    #[arg(value_parser = matrix)]
-    pose_end: Option<[f64; 12]>,
-    /// Move the second mesh by this until time 1
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "b")]
-    #[arg(value_parser = numbers::<3>)]
-    translate_end: Option<[f64; 3]>,
-    /// Only the pair that meets first
-    #[arg(long)]
-    pub(crate) first: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) reading: Reading,
-    #[command(flatten)]
-    pub(crate) executor: ExecutorArgs,
-}
-
-impl Impacts {
-    /// The pose of the second mesh at time 1.
-    pub(crate) fn pose(&self) -> Pose64 {
-        let [x, y, z] = self.translate_end.unwrap_or_default();
-        let m = self.pose_end.unwrap_or([1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, y, 0.0, 0.0, 1.0, z]);
-        Pose64::new([0, 4, 8].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]))
-    }
 }
 
 #[derive(Debug, Args)]

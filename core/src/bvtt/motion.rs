@@ -1,23 +1,15 @@
 //! The start or the end of a motion, as the traversal of motions sees it.
 
-use super::query::children;
-use super::{Bvtt, NodePair, PosedBvh};
+use super::{Bvtt, PosedBvh};
 use crate::Mesh;
 use crate::aabb::Bounds;
 use crate::triangle::Adjacency;
-use core::ops::Range;
 use glam::Vec3A;
 
 impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     /// Whether both meshes have triangles.
     pub(crate) fn has_roots(&self) -> bool {
         self.a.bvh.root().is_some() && self.b.bvh.root().is_some()
-    }
-
-    /// The children of both nodes, or leaves themselves.
-    #[inline]
-    pub(crate) fn children_of(&self, n: NodePair) -> [Range<u32>; 2] {
-        [children(&self.a.bvh, n.a), children(&self.b.bvh, n.b)]
     }
 
     fn side(&self, side: usize) -> &PosedBvh<'a> {

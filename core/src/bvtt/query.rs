@@ -176,31 +176,39 @@ impl<const SELF: bool> Estimated for Bvtt<'_, SELF> {
     }
 }
 
+impl<const SELF: bool> Bvtt<'_, SELF> {
+    /// Visits all pairs of children of both nodes, or of children of one and the other, which is a leaf; none of two leaves.
+    #[inline(always)]
+    pub(crate) fn each_child(&self, n: NodePair, mut visit: impl FnMut(NodePair)) {
+        let (of_a, of_b) = (children(&self.a.bvh, n.a), children(&self.b.bvh, n.b));
+        if of_a.len() + of_b.len() == 2 {
+            return;
+        }
+        for a in of_a {
+            for b in of_b.clone() {
+                // (l, r) and (r, l) are the same pair.
+                if !SELF || n.a != n.b || a <= b {
+                    visit(NodePair { a, b });
+                }
+            }
+        }
+    }
+}
+
 impl<const SELF: bool> Query for Bvtt<'_, SELF> {
     fn root(&self) -> Option<NodePair> {
         self.root.filter(|&root| !self.is_in_certified_fan(root))
     }
 
     fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, [Aabb; 2])) -> u32 {
-        let (of_a, of_b) = (children(&self.a.bvh, n.a), children(&self.b.bvh, n.b));
-        if of_a.len() + of_b.len() == 2 {
-            return 0;
-        }
         let mut tests = 0;
-        for a in of_a {
-            for b in of_b.clone() {
-                // (l, r) and (r, l) are the same pair.
-                if SELF && n.a == n.b && a > b {
-                    continue;
-                }
-                let child = NodePair { a, b };
-                tests += u32::from(!SELF || a != b);
-                let bounds = self.bounds(child);
-                if bounds[0].overlaps(&bounds[1]) && !self.is_in_certified_fan(child) {
-                    push(child, bounds.map(Aabb::from));
-                }
+        self.each_child(n, |child| {
+            tests += u32::from(!SELF || child.a != child.b);
+            let bounds = self.bounds(child);
+            if bounds[0].overlaps(&bounds[1]) && !self.is_in_certified_fan(child) {
+                push(child, bounds.map(Aabb::from));
             }
-        }
+        });
         tests
     }
 
@@ -230,7 +238,7 @@ impl<const SELF: bool> Query for Bvtt<'_, SELF> {
 }
 
 /// The children of a node, or a leaf itself.
-pub(super) fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
+fn children(bvh: &Bvh<'_>, index: u32) -> Range<u32> {
     let node = bvh.node(index);
     if node.is_leaf() { index..index + 1 } else { node.left()..node.left() + 2 }
 }

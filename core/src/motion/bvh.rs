@@ -68,6 +68,15 @@ impl<'a> MovingBvh<'a> {
         let differs = first_difference(order, |p, q| p == q).or(first_difference(nodes, is_same));
         differs.map_or(Ok(Self { start, end }), |entry| Err(MotionError::Tree { entry }))
     }
+
+    /// The same without comparing anything.
+    ///
+    /// # Panics and wrong answers
+    /// With trees that differ, queries may answer wrongly or panic.
+    #[must_use]
+    pub fn new_unchecked(start: PosedBvh<'a>, end: PosedBvh<'a>) -> Self {
+        Self { start, end }
+    }
 }
 
 /// Where two slices differ first, if they are not the same.

@@ -230,27 +230,17 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     /// Passes on the children of a node pair that overlap at a time, and the first. Returns the number of box tests.
     #[inline]
     fn descend(&self, n: NodePair, mut push: impl FnMut(NodePair, f64)) -> u32 {
-        let [of_a, of_b] = self.start.children_of(n);
-        if of_a.len() + of_b.len() == 2 {
-            return 0;
-        }
         let mut tests = 0;
-        for a in of_a {
-            for b in of_b.clone() {
-                if SELF && n.a == n.b && a > b {
-                    continue;
-                }
-                let child = NodePair { a, b };
-                if SELF && a == b {
-                    push(child, 0.0);
-                    continue;
-                }
-                tests += 1;
-                if let Some(time) = self.first_overlap(child) {
-                    push(child, time);
-                }
+        self.start.each_child(n, |child| {
+            if SELF && child.a == child.b {
+                push(child, 0.0);
+                return;
             }
-        }
+            tests += 1;
+            if let Some(time) = self.first_overlap(child) {
+                push(child, time);
+            }
+        });
         tests
     }
 

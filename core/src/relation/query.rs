@@ -426,9 +426,8 @@ impl<'s> Seen<'s> {
         lines.fill(0);
         let (pair, undetermined) = (None, None);
         // Points of a surface alone are looked at, so those that only the other has are taken for granted.
-        let classes = [ONLY_B, ONLY_A].into_iter().zip(query.are_surfaces());
-        let classes =
-            classes.filter(|(_, is_surface)| *is_surface).fold(0, |all, (class, _)| all | class);
+        let [is_a, is_b] = query.are_surfaces();
+        let classes = (u8::from(is_a) * ONLY_B) | (u8::from(is_b) * ONLY_A);
         Ok(Self { classes, meets: false, pair, undetermined, is_rounded: false, lines })
     }
 }
