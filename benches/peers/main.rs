@@ -22,7 +22,7 @@
 //!
 //! Answers are checked in every frame before anything is timed: what an exact test leaves of all
 //! candidates of parry's BVHs has to be what pfront finds. Hits that the others miss or invent are
-//! printed. This takes 50 seconds, and is what `-- --test` does; all of it takes some minutes.
+//! printed. Beside criterion's times stand the median, the sum and the worst of the frames, each at its fastest. This takes 50 seconds, and is what `-- --test` does; all of it takes some minutes.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -152,12 +152,14 @@ fn group<'c>(c: &'c mut Criterion, name: &str) -> Group<'c> {
     group
 }
 
-/// Times all frames, and reports one; of two bodies also without placing them.
+/// Times all frames, and reports one; of two bodies also without placing them. Each frame's least time of all rounds is told
+/// too, as their median, sum and largest.
 fn time(group: &mut Group<'_>, work: &Work, name: &str, finder: &mut dyn Finder) {
     let mut hits = Vec::new();
     let rows = [(name.to_owned(), true), (format!("{name}, query alone"), false)];
     for (row, whole) in rows.into_iter().filter(|&(_, whole)| whole || work.meshes.len() == 2) {
-        group.bench_function(row, |bench| {
+        let mut least = vec![Duration::MAX; work.frames()];
+        group.bench_function(&row, |bench| {
             bench.iter_custom(|times| {
                 let mut spent = Duration::ZERO;
                 for frame in (0..times).flat_map(|_| 0..work.frames()) {
@@ -167,11 +169,17 @@ fn time(group: &mut Group<'_>, work: &Work, name: &str, finder: &mut dyn Finder)
                     let placed = Instant::now();
                     finder.find(frame, &mut hits);
                     black_box(&hits);
-                    spent += if whole { start } else { placed }.elapsed();
+                    let time = if whole { start } else { placed }.elapsed();
+                    least[frame] = least[frame].min(time);
+                    spent += time;
                 }
                 spent / work.frames() as u32
             });
         });
+        least.sort_unstable();
+        let (median, worst) = (least[least.len() / 2], least[least.len() - 1]);
+        let sum = least.iter().sum::<Duration>();
+        eprintln!("{}: {row}: median {median:.1?}, sum {sum:.1?}, worst {worst:.1?}", work.name);
     }
 }
 
