@@ -1,7 +1,8 @@
 //! Buffers on the device, within its limits.
 
-use crate::device::poll;
+use crate::device::{WEB, poll};
 use crate::layout::Query;
+use crate::memory::reserve;
 use crate::{Gpu, GpuError};
 use bytemuck::Pod;
 use wgpu::{BufferUsages, WriteOnly};
@@ -65,16 +66,25 @@ impl Gpu {
         bytes: u64,
         usage: Usage,
     ) -> Result<wgpu::Buffer, GpuError> {
-        self.allocate(what, bytes, usage, true)
+        self.allocate(what, bytes, usage, !WEB)
     }
 
-    /// Has the first bytes of a mapped buffer written, and unmaps it.
+    /// Has the first bytes of a mapped buffer written, and unmaps it. On the web the queue writes them, since wgpu panics where a
+    /// browser has no memory to map.
     pub(crate) fn fill(
         &self,
         buffer: &wgpu::Buffer,
         bytes: u64,
         fill: impl FnOnce(WriteOnly<'_, [u8]>),
     ) -> Result<(), GpuError> {
+        if WEB {
+            let mut contents = Vec::new();
+            reserve(&mut contents, bytes as usize)?;
+            contents.resize(bytes as usize, 0);
+            fill(WriteOnly::from_mut(&mut contents[..]));
+            self.queue().write_buffer(buffer, 0, &contents);
+            return Ok(());
+        }
         let mut view = buffer.get_mapped_range_mut(..bytes).map_err(|error| {
             // A lost device gives buffers without memory, and says that it is lost when it is polled.
             let reason = error.to_string();
@@ -99,6 +109,7 @@ impl Gpu {
             Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
             Usage::Uniform => BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             Usage::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            Usage::Staging if WEB => BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
             Usage::Staging => BufferUsages::MAP_WRITE | BufferUsages::COPY_SRC,
         };
         let limits = self.device().limits();
@@ -117,8 +128,10 @@ impl Gpu {
             usage: own,
             mapped_at_creation,
         });
-        match pollster::block_on(scope.pop()) {
-            Some(_) => Err(GpuError::OutOfMemory { bytes: size }),
+        let told = scope.pop();
+        let error = async move { told.await.map(|_| GpuError::OutOfMemory { bytes: size }) };
+        match self.untold().add(error) {
+            Some(error) => Err(error),
             // A lost device gives buffers too, but no good ones.
             None => self.check().map(|()| buffer),
         }

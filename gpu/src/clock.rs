@@ -102,7 +102,7 @@ impl Clock {
         self.marks.clear();
     }
 
-    /// The times of the last run, which has been submitted; none without a clock.
+    /// The times of the last run, which has been submitted; none without a clock. There is none on the web, where nothing may block.
     pub(crate) fn read(clock: Option<&Self>, gpu: &Gpu) -> Result<Vec<Timing>, GpuError> {
         let Some(Self { marks, read_back, period, .. }) = clock else { return Ok(Vec::new()) };
         if marks.is_empty() {
@@ -110,8 +110,9 @@ impl Clock {
         }
         let bytes = (marks.len() as u64 + 1) * u64::from(wgpu::QUERY_SIZE);
         let mut mapping = Mapping::begin(gpu.device(), read_back, bytes, wgpu::MapMode::Read);
-        let ticks: Vec<u64> =
-            mapping.read(gpu.device(), read_back, bytes, None, bytemuck::pod_collect_to_vec)?;
+        let take = bytemuck::pod_collect_to_vec;
+        let ticks = mapping.read(gpu.device(), read_back, bytes, None, take);
+        let ticks: Vec<u64> = pollster::block_on(ticks)?;
         let time = |pair: &[u64]| {
             let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * f64::from(*period);
             Duration::from_nanos(nanoseconds as u64)

@@ -275,10 +275,9 @@ impl Deforming {
     /// Puts a model to build in place of an uploaded one.
     fn prepare_build(&mut self) -> Result<(), GpuError> {
         if let (None, Some(bounds)) = (&self.build, &self.model.bounds) {
-            let Built { model, build, refit } =
+            let Built { mut model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
-            let wear = std::mem::take(&mut self.model.wear);
-            let model = GpuModel { wear, ..model };
+            model.wear = std::mem::take(&mut self.model.wear);
             (self.model, self.build, self.refit) = (model, Some(build), refit);
             self.ahead = None;
         }

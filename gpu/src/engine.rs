@@ -381,7 +381,11 @@ impl Engine {
     }
 
     /// All children of some node pairs, leaf pairs among them staying what they are.
-    pub(crate) fn refine(&mut self, task: &Task, front: &[Entry]) -> Result<Vec<Entry>, GpuError> {
+    pub(crate) async fn refine(
+        &mut self,
+        task: &Task,
+        front: &[Entry],
+    ) -> Result<Vec<Entry>, GpuError> {
         let mut encoder = self.encoder();
         self.ticket = self.ticket.wrapping_add(1);
         let query = Query { levels: 1, last_pass: u32::MAX, beam: u32::MAX, ..task.query };
@@ -397,10 +401,10 @@ impl Engine {
             Dispatches::begin(&mut encoder, None).add(&descent.expand, &all, self.workgroups);
         }
         let (device, queue, cancel) = (gpu.device(), gpu.queue(), self.cancel.as_deref());
-        let counters = read_now(device, queue, encoder, &lists.counters, 1, cancel)?;
+        let counters = read_now(device, queue, encoder, &lists.counters, 1, cancel).await?;
         let [counters]: [Counters; 1] = counters.try_into().map_err(|_| GpuError::NotSubmitted)?;
         let encoder = device.create_command_encoder(&Default::default());
         let length = counters.fronts[1] as usize;
-        read_now(device, queue, encoder, &lists.fronts[1], length, cancel)
+        read_now(device, queue, encoder, &lists.fronts[1], length, cancel).await
     }
 }

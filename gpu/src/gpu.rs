@@ -1,9 +1,10 @@
 //! A device with the passes compiled for it.
 
-use crate::device::{checked, poll};
+use crate::device::{Scopes, WEB, outcome, poll, scoped};
 use crate::moving::MovingPasses;
 use crate::pass::{Arithmetic, Pass, Target};
 use crate::totals::Totals;
+use crate::untold::Untold;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
     CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
@@ -43,6 +44,7 @@ struct Shared {
     target: Target,
     failure: Failure,
     totals: Arc<Totals>,
+    untold: Untold,
 }
 
 /// The loss of the device, once it has been told.
@@ -100,10 +102,28 @@ impl Gpu {
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`], and those of [`Gpu::from_device`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn new() -> Result<Self, GpuError> {
+        pollster::block_on(Self::open())
+    }
+
+    /// The same in a browser; natively the future blocks. Shaders are compiled in the background there: the first answer
+    /// waits for them.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`]; [`GpuError::Device`].
+    ///
+    /// # Examples
+    /// ```no_run
+    /// # async fn demo() -> Result<(), pfront_gpu::GpuError> {
+    /// let gpu = pfront_gpu::Gpu::open().await?;
+    /// println!("{:?}", gpu.arithmetic());
+    /// # Ok(()) }
+    /// ```
+    pub async fn open() -> Result<Self, GpuError> {
         let instance =
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = pollster::block_on(adapter(&instance))?;
+        let adapter = adapter(&instance).await?;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("pfront"),
             // All the memory that there is; everything else stays within the defaults.
@@ -111,10 +131,11 @@ impl Gpu {
             required_features: adapter.features() & TIMESTAMPS,
             ..Default::default()
         };
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-                GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() }
-            })?;
+        let refused = |error: wgpu::RequestDeviceError| GpuError::NoDevice {
+            adapter: adapter.get_info().name,
+            reason: error.to_string(),
+        };
+        let (device, queue) = adapter.request_device(&descriptor).await.map_err(refused)?;
         let failure = Failure::default();
         let seen = failure.clone();
         device.set_device_lost_callback(move |_, reason| {
@@ -122,7 +143,7 @@ impl Gpu {
             *seen.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(GpuError::DeviceLost { reason });
         });
-        Self::with_failure(device, queue, failure)
+        Self::with_failure(device, queue, failure).await
     }
 
     /// Works on a device of the caller's. Errors of its own calls are returned; those of the caller's go to
@@ -131,17 +152,24 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::Limit`] if it was requested with less than the default limits of WebGPU;
     /// [`GpuError::Device`] if its integer arithmetic is wrong or a shader does not compile.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn from_device(device: Device, queue: Queue) -> Result<Self, GpuError> {
-        Self::with_failure(device, queue, Failure::default())
+        pollster::block_on(Self::with_failure(device, queue, Failure::default()))
     }
 
-    fn with_failure(device: Device, queue: Queue, failure: Failure) -> Result<Self, GpuError> {
+    async fn with_failure(
+        device: Device,
+        queue: Queue,
+        failure: Failure,
+    ) -> Result<Self, GpuError> {
         check_limits(&device.limits())?;
-        let arithmetic = probe::arithmetic(&device, &queue)?;
+        let arithmetic = probe::arithmetic(&device, &queue).await?;
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let id = NEXT.fetch_add(1, Ordering::Relaxed);
         let target = Target::new(&device, arithmetic);
-        Self::assemble(id, device, queue, target, failure, Arc::default())
+        let assemble =
+            || Self::assemble(id, device.clone(), queue, target, failure, Arc::default());
+        scoped(&device, assemble).await
     }
 
     fn assemble(
@@ -178,6 +206,7 @@ impl Gpu {
                 target,
                 failure,
                 totals,
+                untold: Untold::default(),
             }),
         };
         gpu.check()?;
@@ -313,12 +342,29 @@ impl Gpu {
         self.check().err().unwrap_or(error)
     }
 
-    /// Makes calls of wgpu, and returns the error that they report, if any.
+    /// Makes calls of wgpu, and returns the error that they report, if any; on the web [`Gpu::settle`] does.
     pub(crate) fn checked<T>(
         &self,
         call: impl FnOnce() -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
-        checked(self.device(), call)
+        let scopes = Scopes::begin(self.device());
+        let result = call();
+        outcome(result, self.untold().add(scopes.end()))
+    }
+
+    pub(crate) fn untold(&self) -> &Untold {
+        &self.shared.untold
+    }
+
+    /// Waits until a browser has told what was wrong with any call so far, and returns the first error. A model or a query that
+    /// was made since the last time is not to be used after an error. Reading an answer begins so. Natively calls return their
+    /// own errors, and there is nothing to wait for.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`], [`GpuError::Device`], [`GpuError::DeviceLost`].
+    pub async fn settle(&self) -> Result<(), GpuError> {
+        let first = self.untold().first().await;
+        self.check().and(first)
     }
 }
 
@@ -339,6 +385,7 @@ async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
         let found = instance.request_adapter(&options).await;
         let advice = match std::env::var("WGPU_BACKEND") {
             Ok(backends) => format!("WGPU_BACKEND={backends} admits no other backend"),
+            Err(_) if WEB => "Open the page in a browser that has WebGPU".to_owned(),
             Err(_) => "Install a Vulkan driver; the package mesa-vulkan-drivers (with libvulkan1) \
                        brings one that runs on the CPU"
                 .to_owned(),

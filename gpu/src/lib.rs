@@ -48,6 +48,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 mod totals;
+mod untold;
 mod wear;
 mod world;
 

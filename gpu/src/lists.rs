@@ -1,6 +1,7 @@
 //! The buffers of a query: fronts, lists, counters, parameters.
 
 use crate::buffer::Usage;
+use crate::device::release;
 use crate::gpu::Gpu;
 use crate::layout::{Counters, Query, Rest, Step};
 use crate::parameters::Parameters;
@@ -93,6 +94,13 @@ impl Lists {
             "front_out" => Some(self.fronts[1 - from].as_entire_binding()),
             _ => None,
         })
+    }
+}
+
+impl Drop for Lists {
+    fn drop(&mut self) {
+        let Self { fronts, hits, rest, counters, query, leaves, kept, buckets, .. } = self;
+        release(fronts.iter().chain([&*hits, rest, counters, query, leaves, kept, buckets]));
     }
 }
 

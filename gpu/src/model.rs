@@ -2,6 +2,7 @@
 
 use crate::GpuError;
 use crate::buffer::Usage;
+use crate::device::release;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
 use crate::source::Source;
@@ -118,7 +119,17 @@ impl GpuModel {
     /// Bytes of device memory the model holds.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        [&self.nodes, &self.corners, &self.order, &self.seeds].map(wgpu::Buffer::size).iter().sum()
+        self.buffers().map(wgpu::Buffer::size).iter().sum()
+    }
+
+    fn buffers(&self) -> [&wgpu::Buffer; 4] {
+        [&self.nodes, &self.corners, &self.order, &self.seeds]
+    }
+}
+
+impl Drop for GpuModel {
+    fn drop(&mut self) {
+        release(self.buffers());
     }
 }
 

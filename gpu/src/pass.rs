@@ -1,12 +1,11 @@
-//! A pass on the device: its pipeline, with bind group layouts read off the shader by naga.
+//! A pass on the device: its pipeline, with bind group layouts as the shader declares them.
 //!
-//! Rust names the buffers and nothing else: which of them a pass binds, where, and whether it writes
-//! them, is what the WGSL says.
+//! Rust names the buffers and nothing else: where a pass binds them, and whether it writes them, is what
+//! the WGSL says.
 
 use crate::GpuError;
 use crate::device::checked;
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, GlobalVariable, Module, StorageAccess};
+use pfront_shaders::{Access, Binding};
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderRuntimeChecks};
 
 /// Buffers under the names that shaders give them.
@@ -24,7 +23,7 @@ pub(crate) struct Pass {
 #[derive(Debug)]
 struct Group {
     layout: wgpu::BindGroupLayout,
-    names: Vec<(u32, String)>,
+    names: Vec<(u32, &'static str)>,
 }
 
 /// The arithmetic that computes the posed position of a vertex. Chosen by a test of the adapter; the result is the
@@ -89,20 +88,16 @@ impl Pass {
         pass: &pfront_shaders::Pass,
         target: Target,
     ) -> Result<Self, GpuError> {
-        let source = pass.source();
-        let (module, info) = parse(&source)?;
-        let groups = groups(device, &module, &info);
+        let groups = groups(device, pass);
         let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(pass.entry),
             bind_group_layouts: &layouts,
             immediate_size: 0,
         });
-        let shader = shader_module(device, pass.entry, source);
-        let names: Vec<_> =
-            module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
+        let shader = shader_module(device, pass.entry, pass.source());
         let mut constants = target.overrides().to_vec();
-        constants.retain(|(name, _)| names.contains(name));
+        constants.retain(|(name, _)| pass.has_override(name));
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(pass.entry),
             layout: Some(&layout),
@@ -126,8 +121,9 @@ impl Pass {
         find: impl Fn(&str) -> Option<wgpu::BindingResource<'a>>,
     ) -> Result<wgpu::BindGroup, GpuError> {
         let Group { layout, names } = &self.groups[group];
-        let entry = |(binding, name): &(u32, String)| {
-            let resource = find(name).ok_or_else(|| shader_error(&format!("no buffer {name}")))?;
+        let entry = |(binding, name): &(u32, &str)| {
+            let unknown = || GpuError::Device { reason: format!("a shader has no buffer {name}") };
+            let resource = find(name).ok_or_else(unknown)?;
             Ok(wgpu::BindGroupEntry { binding: *binding, resource })
         };
         let entries = names.iter().map(entry).collect::<Result<Vec<_>, GpuError>>()?;
@@ -164,58 +160,29 @@ fn shader_module(device: &Device, entry: &str, source: String) -> wgpu::ShaderMo
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 
-/// Parses and validates WGSL.
-pub(crate) fn parse(source: &str) -> Result<(Module, ModuleInfo), GpuError> {
-    let module = naga::front::wgsl::parse_str(source)
-        .map_err(|error| shader_error(&error.emit_to_string(source)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::default())
-        .validate(&module)
-        .map_err(|error| shader_error(&error.emit_to_string(source)))?;
-    Ok((module, info))
-}
-
-fn shader_error(reason: &str) -> GpuError {
-    GpuError::Device { reason: format!("a shader is wrong: {reason}") }
-}
-
-/// The buffers that the entry point uses: name, group, binding, type.
-pub(crate) fn bindings<'m>(
-    module: &'m Module,
-    info: &ModuleInfo,
-) -> Vec<(&'m str, u32, u32, BufferBindingType)> {
-    let entry = info.get_entry_point(0);
-    let used = module.global_variables.iter().filter(|(handle, _)| !entry[*handle].is_empty());
-    let bound = |(_, variable): (_, &'m GlobalVariable)| {
-        let binding = variable.binding?;
-        let ty = match variable.space {
-            AddressSpace::Uniform => BufferBindingType::Uniform,
-            AddressSpace::Storage { access } => {
-                BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) }
-            }
-            _ => return None,
-        };
-        Some((variable.name.as_deref()?, binding.group, binding.binding, ty))
-    };
-    used.filter_map(bound).collect()
-}
-
-fn groups(device: &Device, module: &Module, info: &ModuleInfo) -> Vec<Group> {
-    let bindings = bindings(module, info);
-    let count = bindings.iter().map(|&(_, group, ..)| group + 1).max().unwrap_or(0);
+/// The layout of each bind group.
+fn groups(device: &Device, pass: &pfront_shaders::Pass) -> Vec<Group> {
+    let count = pass.bindings().map(|own| own.group + 1).max().unwrap_or(0);
     let group = |index: u32| {
-        let own = || bindings.iter().filter(move |&&(_, group, ..)| group == index);
-        let entries: Vec<_> = own()
-            .map(|&(_, _, binding, ty)| BindGroupLayoutEntry {
-                binding,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-                count: None,
-            })
-            .collect();
+        let own = || pass.bindings().filter(move |own| own.group == index);
+        let entry = |Binding { binding, access, .. }| BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: BindingType::Buffer {
+                ty: match access {
+                    Access::Uniform => BufferBindingType::Uniform,
+                    Access::Read => BufferBindingType::Storage { read_only: true },
+                    Access::ReadWrite => BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = own().map(entry).collect();
         let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
         let layout = device.create_bind_group_layout(&descriptor);
-        let names = own().map(|&(name, _, binding, _)| (binding, name.to_owned())).collect();
-        Group { layout, names }
+        Group { layout, names: own().map(|own| (own.binding, own.name)).collect() }
     };
     (0..count).map(group).collect()
 }

@@ -6,6 +6,7 @@
 //! wrong. If it does, the passes pose in integers, which are tried likewise.
 
 use crate::GpuError;
+use crate::device::release;
 use crate::layout::Trial;
 use crate::pass::{Arithmetic, Pass, Target};
 use crate::read::read_now;
@@ -16,17 +17,17 @@ use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, Device, Queue};
 
 /// Finds the arithmetic that gives posed positions to the bit.
-pub(crate) fn arithmetic(device: &Device, queue: &Queue) -> Result<Arithmetic, GpuError> {
+pub(crate) async fn arithmetic(device: &Device, queue: &Queue) -> Result<Arithmetic, GpuError> {
     let trials = trials();
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {
-        if passes(device, queue, &trials, arithmetic)? {
+        if passes(device, queue, &trials, arithmetic).await? {
             return Ok(arithmetic);
         }
     }
     Err(GpuError::Device { reason: "its integer arithmetic is wrong".to_owned() })
 }
 
-fn passes(
+async fn passes(
     device: &Device,
     queue: &Queue,
     trials: &[Trial],
@@ -45,7 +46,8 @@ fn passes(
     compute.set_bind_group(0, &group, &[]);
     compute.dispatch_workgroups((trials.len() as u32).div_ceil(GROUP), 1, 1);
     drop(compute);
-    let found: Vec<Trial> = read_now(device, queue, encoder, &buffer, trials.len(), None)?;
+    let found: Vec<Trial> = read_now(device, queue, encoder, &buffer, trials.len(), None).await?;
+    release([&buffer]);
     Ok(found.iter().zip(trials).all(|(found, asked)| {
         let bits = |found: [f32; 3]| found.map(f32::to_bits);
         // The sign of zero changes no answer, and adapters differ in it.
@@ -121,7 +123,9 @@ mod tests {
     #[test]
     fn integers_round_as_they_should() {
         let gpu = Gpu::new().unwrap_or_else(|error| panic!("{error}"));
-        assert!(passes(gpu.device(), gpu.queue(), &trials(), Arithmetic::Integer).unwrap());
+        let trials = trials();
+        let passes = passes(gpu.device(), gpu.queue(), &trials, Arithmetic::Integer);
+        assert!(pollster::block_on(passes).unwrap());
     }
 
     #[test]

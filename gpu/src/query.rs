@@ -238,12 +238,13 @@ impl GpuQuery {
         Ok(Self { runner, asked: None, verb: GpuVerb::All })
     }
 
-    /// All pairs that meet, sorted.
+    /// All pairs that meet, sorted. Verbs that wait are there natively; on the web [`GpuQuery::read`] does.
     ///
     /// # Errors
     /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::InF64`],
     /// [`GpuError::Shadows`]; [`GpuError::OtherDevice`];
     /// [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
         self.ask(question, GpuVerb::All)?;
         Ok(&self.runner.pairs)
@@ -253,6 +254,7 @@ impl GpuQuery {
     ///
     /// # Errors
     /// As [`GpuQuery::all`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn any(&mut self, question: &GpuQuestion<'_>) -> Result<Option<TrianglePair>, GpuError> {
         self.ask(question, GpuVerb::Any)?;
         Ok(self.runner.pairs.first().copied())
@@ -262,6 +264,7 @@ impl GpuQuery {
     ///
     /// # Errors
     /// As [`GpuQuery::all`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn count(&mut self, question: &GpuQuestion<'_>) -> Result<u64, GpuError> {
         self.ask(question, GpuVerb::Count)?;
         Ok(self.runner.count)
@@ -328,12 +331,24 @@ impl GpuQuery {
 
     /// Waits for the submission, and for no other, and returns how many pairs meet; under [`GpuVerb::Any`], at least one if
     /// any does. `pairs` is replaced: by all pairs, sorted, under [`GpuVerb::All`], by some pair that meets under
-    /// [`GpuVerb::Any`]. A question is read once; the answer to none is empty.
+    /// [`GpuVerb::Any`]. A question is read once; the answer to none is empty. On the web this is an `async fn`.
     ///
     /// # Errors
     /// [`GpuError::NotSubmitted`] if a recorded question was not submitted; as [`GpuQuery::all`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
-        self.finish()?;
+        pollster::block_on(self.finish())?;
+        std::mem::swap(&mut self.runner.pairs, pairs);
+        Ok(self.runner.count)
+    }
+
+    /// Awaits the answer, and else as natively.
+    ///
+    /// # Errors
+    /// As natively.
+    #[cfg(target_arch = "wasm32")]
+    pub async fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
+        self.finish().await?;
         std::mem::swap(&mut self.runner.pairs, pairs);
         Ok(self.runner.count)
     }
@@ -380,14 +395,15 @@ impl GpuQuery {
         question.task(&mut self.runner.engine)
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     fn ask(&mut self, question: &GpuQuestion<'_>, verb: GpuVerb) -> Result<(), GpuError> {
         self.submit(question, verb)?;
-        self.finish()
+        pollster::block_on(self.finish())
     }
 
-    fn finish(&mut self) -> Result<(), GpuError> {
+    async fn finish(&mut self) -> Result<(), GpuError> {
         match self.asked.take() {
-            Some(asked) => self.runner.finish(asked, self.verb),
+            Some(asked) => self.runner.finish(asked, self.verb).await,
             None => {
                 self.runner.clear();
                 Ok(())

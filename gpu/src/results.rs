@@ -1,6 +1,7 @@
 //! The results of a run, brought to the host.
 
 use crate::buffer::Usage;
+use crate::device::release;
 use crate::layout::{Counters, Rest};
 use crate::lists::{Lists, ORDERED_AT};
 use crate::memory::append;
@@ -120,17 +121,19 @@ impl ReadBack {
     }
 
     /// Waits for a run, and for nothing that was submitted later; adds the hits to `pairs`.
-    pub(crate) fn read(
+    pub(crate) async fn read(
         &mut self,
         run: &Run,
         pairs: &mut Vec<TrianglePair>,
         cancel: Option<&AtomicBool>,
     ) -> Result<Found, GpuError> {
         let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
-        let (device, bytes) = (self.gpu.device(), end as u64);
+        let Self { gpu, mapping, .. } = self;
+        gpu.settle().await?;
+        let (device, bytes) = (gpu.device(), end as u64);
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
-        let mut mapping = self.mapping.take().unwrap_or_else(begin);
-        let found = mapping.read(device, &run.read_back, bytes, cancel, |bytes| {
+        let reading = mapping.get_or_insert_with(begin);
+        let take = |bytes: &[u8]| {
             let counters = &bytes[..size_of::<Counters>()];
             let counters: Counters = bytemuck::pod_read_unaligned(counters);
             // Too many to be put in order are all copied later.
@@ -146,17 +149,24 @@ impl ReadBack {
             };
             let rest = bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]);
             Ok::<_, GpuError>(Found { counters, in_order, rest })
-        });
-        self.gpu.check()?;
-        if matches!(found, Err(GpuError::Cancelled)) {
-            // The next run takes another buffer.
-            self.mapping = Some(mapping);
+        };
+        let found = reading.read(device, &run.read_back, bytes, cancel, take).await;
+        if !matches!(found, Err(GpuError::Cancelled)) {
+            // Else the next run takes another buffer, as it does where nobody awaits this to the end.
+            *mapping = None;
         }
-        let found: Found = found.map_err(|error| self.gpu.cause_of(error))??;
+        gpu.check()?;
+        let found: Found = found.map_err(|error| gpu.cause_of(error))??;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);
         }
         Ok(found)
+    }
+}
+
+impl Drop for ReadBack {
+    fn drop(&mut self) {
+        release([&self.buffer]);
     }
 }
 

@@ -223,7 +223,7 @@ impl Runner {
     }
 
     /// Takes the results of what has been recorded, and sees to it that they are complete.
-    pub(crate) fn finish(&mut self, asked: Asked, verb: GpuVerb) -> Result<(), GpuError> {
+    pub(crate) async fn finish(&mut self, asked: Asked, verb: GpuVerb) -> Result<(), GpuError> {
         self.reset();
         self.record_ahead(&asked, verb)?;
         let Asked { task, parts: mut waiting, mut run, .. } = asked;
@@ -235,7 +235,7 @@ impl Runner {
         loop {
             let before = self.pairs.len();
             let Engine { read_back, cancel, .. } = &mut self.engine;
-            let found = read_back.read(&run, &mut self.pairs, cancel.as_deref())?;
+            let found = read_back.read(&run, &mut self.pairs, cancel.as_deref()).await?;
             self.report.add(&found.counters, task.query.leaf_size);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match verb {
@@ -252,7 +252,8 @@ impl Runner {
             }
             if refused != 0 {
                 self.pairs.truncate(before);
-                waiting.extend(self.divide(task, &part, &found.counters)?.into_iter().rev());
+                let parts = self.divide(task, &part, &found.counters).await?;
+                waiting.extend(parts.into_iter().rev());
             } else if fronts[run.last_front as usize] != 0 && !(verb == GpuVerb::Any && hits > 0) {
                 self.pairs.truncate(before);
                 run = self.run(task, Start::Left(run.last_front, &found.counters), verb)?;
@@ -275,7 +276,7 @@ impl Runner {
                     _ => answered.push((std::mem::take(&mut part), share)),
                 }
                 in_order = before == 0 && found.in_order;
-                self.take(task, before, found, verb)?;
+                self.take(task, before, found, verb).await?;
                 if verb == GpuVerb::Any && self.count > 0 {
                     break;
                 }
@@ -330,7 +331,7 @@ impl Runner {
     }
 
     /// Divides what was too much for one run.
-    fn divide(
+    async fn divide(
         &mut self,
         task: &Task,
         part: &[Entry],
@@ -339,7 +340,7 @@ impl Runner {
         let is_leaf_pair = |pair: &Entry| pair.iter().all(|node| node & LEAF != 0);
         let mut front = part.to_vec();
         while front.len() < LONG && !front.iter().all(is_leaf_pair) {
-            front = self.engine.refine(task, &front)?;
+            front = self.engine.refine(task, &front).await?;
         }
         if part.len() == 1 && front == part {
             let reason = "a leaf pair overflowed lists that can hold its results".to_owned();
@@ -371,7 +372,7 @@ impl Runner {
     }
 
     /// Adds what a complete run found beyond the hits that have been read already.
-    fn take(
+    async fn take(
         &mut self,
         task: &Task,
         before: usize,
@@ -386,16 +387,18 @@ impl Runner {
         if is_listed && self.pairs.len() - before < counters.hits as usize {
             self.pairs.truncate(before);
             let count = counters.hits as usize;
-            let hits = read_now(device, queue, again(), &lists.hits, count, cancel)?;
+            let hits = read_now(device, queue, again(), &lists.hits, count, cancel).await?;
             reserve(&mut self.pairs, hits.len())?;
             self.pairs.extend_from_slice(&hits);
         }
         if rest.len() < counters.rest as usize && (verb != GpuVerb::Any || counters.hits == 0) {
-            rest = read_now(device, queue, again(), &lists.rest, counters.rest as usize, cancel)?;
+            let count = counters.rest as usize;
+            rest = read_now(device, queue, again(), &lists.rest, count, cancel).await?;
         }
         if let (GpuVerb::CountEach, Some(tallies)) = (verb, &self.engine.tallies) {
             let pairs = self.instances.last().map_or(0, |last| last.number as usize + 1);
-            let tallies: Vec<u32> = read_now(device, queue, again(), tallies, pairs, cancel)?;
+            let tallies: Vec<u32> =
+                read_now(device, queue, again(), tallies, pairs, cancel).await?;
             let more = pairs.saturating_sub(self.tallies.len());
             reserve(&mut self.tallies, more)?;
             self.tallies.resize(pairs, 0);

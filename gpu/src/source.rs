@@ -2,6 +2,7 @@
 
 use crate::GpuError;
 use crate::buffer::Usage;
+use crate::device::release;
 use crate::gpu::Gpu;
 use crate::groups::Dispatches;
 use crate::layout::Corner;
@@ -17,6 +18,12 @@ pub(crate) struct Source {
     pub(crate) triangles: Buffer,
     pub(crate) vertices: usize,
     pub(crate) count: usize,
+}
+
+impl Drop for Source {
+    fn drop(&mut self) {
+        release([&self.positions, &self.triangles]);
+    }
 }
 
 impl Source {

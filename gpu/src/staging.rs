@@ -1,6 +1,7 @@
 //! Staging buffers: mapped memory that the host writes and a submission copies.
 
 use crate::buffer::Usage;
+use crate::device::{WEB, release};
 use crate::read::Mapping;
 use crate::{Gpu, GpuError};
 use wgpu::{Buffer, WriteOnly};
@@ -11,8 +12,8 @@ use wgpu::{Buffer, WriteOnly};
 pub(crate) struct Staging {
     /// Written since the last submission.
     written: Vec<Buffer>,
-    /// Submitted, and mapped again some time later.
-    submitted: Vec<(Buffer, Mapping)>,
+    /// Submitted, and mapped again some time later; on the web, where the queue writes them in its order, at once.
+    submitted: Vec<(Buffer, Option<Mapping>)>,
 }
 
 impl Staging {
@@ -48,8 +49,9 @@ impl Staging {
 
     /// A mapped buffer for so many bytes.
     pub(crate) fn take(&mut self, gpu: &Gpu, bytes: u64) -> Result<Buffer, GpuError> {
-        let is_free = |(buffer, mapping): &mut (Buffer, Mapping)| {
-            buffer.size() >= bytes && matches!(mapping.is_told(), Ok(true))
+        let is_free = |(buffer, mapping): &mut (Buffer, Option<Mapping>)| {
+            let is_mapped = |mapping: &mut Mapping| matches!(mapping.is_told(), Ok(true));
+            buffer.size() >= bytes && mapping.as_mut().is_none_or(is_mapped)
         };
         match self.submitted.iter_mut().position(is_free) {
             Some(at) => Ok(self.submitted.swap_remove(at).0),
@@ -64,9 +66,16 @@ impl Staging {
     /// Has what was written mapped again, after its submission.
     pub(crate) fn submitted(&mut self, gpu: &Gpu) {
         self.submitted.extend(self.written.drain(..).map(|buffer| {
-            let mapping =
-                Mapping::begin(gpu.device(), &buffer, buffer.size(), wgpu::MapMode::Write);
+            let begin =
+                || Mapping::begin(gpu.device(), &buffer, buffer.size(), wgpu::MapMode::Write);
+            let mapping = (!WEB).then(begin);
             (buffer, mapping)
         }));
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        release(self.submitted.iter().map(|(buffer, _)| buffer));
     }
 }

@@ -1,14 +1,16 @@
 //! Tests without an adapter: every pass is valid WGSL, and its structs are those of Rust.
 
 use crate::layout::SHARED;
-use crate::pass::{bindings, parse, rounds};
+use crate::pass::rounds;
 use crate::settings::{Budget, Capacities};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{
-    AddressSpace, Barrier, Block, Expression, Function, Handle, Module, Statement, TypeInner,
+    AddressSpace, Barrier, Block, Expression, Function, GlobalVariable, Handle, Module, Statement,
+    TypeInner,
 };
 use pfront_core::Node;
 use pfront_core::bvh::MAX_LEAF_SIZE;
-use pfront_shaders::{PASSES, constants};
+use pfront_shaders::{Access, Binding, PASSES, Pass, constants};
 use std::collections::BTreeSet;
 use std::mem::offset_of;
 
@@ -16,15 +18,13 @@ use std::mem::offset_of;
 fn every_pass_is_valid_and_stays_within_the_limits_of_webgpu() {
     let (limits, mut large) = (wgpu::Limits::default(), Vec::new());
     for pass in PASSES {
-        let (module, info) =
-            parse(&pass.source()).unwrap_or_else(|e| panic!("{}: {e}", pass.entry));
+        let (module, info) = parse(&pass);
         let [entry] = &module.entry_points[..] else { panic!("{}: entry points", pass.entry) };
         assert_eq!(entry.name, pass.entry);
         assert_eq!(entry.workgroup_size, [constants::GROUP, 1, 1]);
         assert!(constants::GROUP <= limits.max_compute_invocations_per_workgroup);
 
-        let storage = bindings(&module, &info);
-        let storage = storage.iter().filter(|(.., ty)| *ty != wgpu::BufferBindingType::Uniform);
+        let storage = pass.bindings().filter(|own| own.access != Access::Uniform);
         assert!(storage.count() <= limits.max_storage_buffers_per_shader_stage as usize);
 
         let used = info.get_entry_point(0);
@@ -39,6 +39,53 @@ fn every_pass_is_valid_and_stays_within_the_limits_of_webgpu() {
     }
     // Above that a multiprocessor of an H100 runs three workgroups at a time in place of four.
     assert_eq!(large, ["dive", "arrange"]);
+}
+
+/// Parses and validates a pass.
+fn parse(pass: &Pass) -> (Module, ModuleInfo) {
+    let source = pass.source();
+    let module = naga::front::wgsl::parse_str(&source)
+        .unwrap_or_else(|error| panic!("{}: {}", pass.entry, error.emit_to_string(&source)));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{}: {}", pass.entry, error.emit_to_string(&source)));
+    (module, info)
+}
+
+/// A layout with more buffers than the entry point uses could go beyond the limits, and one with fewer is refused.
+#[test]
+fn passes_bind_the_buffers_and_overrides_that_they_use() {
+    for pass in PASSES {
+        let (module, info) = parse(&pass);
+        let entry = info.get_entry_point(0);
+        let variables = module.global_variables.iter();
+        let used = variables.filter(|(handle, _)| !entry[*handle].is_empty());
+        let mut used: Vec<_> = used.filter_map(|(_, variable)| bound(variable)).collect();
+        let tuple = |own: Binding| (own.name.to_owned(), own.group, own.binding, own.access);
+        let mut named: Vec<_> = pass.bindings().map(tuple).collect();
+        used.sort();
+        named.sort();
+        assert_eq!(used, named, "{}", pass.entry);
+
+        let names: Vec<_> =
+            module.overrides.iter().filter_map(|(_, own)| own.name.as_deref()).collect();
+        for name in ["ARITHMETIC", "MOST_ROUNDS", "CERTIFY"] {
+            assert_eq!(pass.has_override(name), names.contains(&name), "{name}");
+        }
+    }
+}
+
+/// A variable of naga that is a buffer, as [`Binding`] has it.
+fn bound(variable: &GlobalVariable) -> Option<(String, u32, u32, Access)> {
+    let at = variable.binding?;
+    let access = match variable.space {
+        AddressSpace::Uniform => Access::Uniform,
+        AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+            Access::ReadWrite
+        }
+        _ => Access::Read,
+    };
+    Some((variable.name.clone()?, at.group, at.binding, access))
 }
 
 const NODE: (&str, usize, &[(&str, usize)]) = (
@@ -56,7 +103,7 @@ const NODE: (&str, usize, &[(&str, usize)]) = (
 fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
     let mut compared = BTreeSet::new();
     for pass in PASSES {
-        let (module, _) = parse(&pass.source()).unwrap();
+        let (module, _) = parse(&pass);
         for &(name, size, fields) in SHARED.iter().chain([&NODE]) {
             let Some(found) = layout(&module, name) else { continue };
             let fields: Vec<_> =
@@ -76,7 +123,7 @@ fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
 fn no_pass_reads_storage_that_other_invocations_of_its_dispatch_write() {
     let mut found = BTreeSet::new();
     for pass in PASSES {
-        let (module, _) = parse(&pass.source()).unwrap();
+        let (module, _) = parse(&pass);
         let functions = module.functions.iter().map(|(_, function)| function);
         let mut access = StorageAccess::default();
         functions.chain([&module.entry_points[0].function]).for_each(|function| {
@@ -138,7 +185,7 @@ impl StorageAccess {
 /// Idle teams have no data: what they read would be memory that nothing has written.
 #[test]
 fn teams_read_workgroup_memory_under_a_condition() {
-    let (module, _) = parse(&pfront_shaders::DECIDE.source()).unwrap();
+    let (module, _) = parse(&pfront_shaders::DECIDE);
     let unconditional = unconditional_loads(&module, &module.entry_points[0].function);
     for name in ["corners", "doubts", "widths", "first_signs", "second_signs", "lattice"] {
         let exists = module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some(name));
@@ -213,7 +260,7 @@ fn words_are_decoded_by_the_layout_of_rust() {
     let corner = SHARED.iter().find(|(name, ..)| *name == "Corner").unwrap();
     let mut compared = BTreeSet::new();
     for pass in PASSES {
-        let (module, _) = parse(&pass.source()).unwrap();
+        let (module, _) = parse(&pass);
         for (_, buffer) in module.global_variables.iter() {
             let size = match buffer.name.as_deref() {
                 Some("nodes_a" | "nodes_b") => size_of::<Node>(),
@@ -282,7 +329,7 @@ fn only_adapters_that_run_on_the_cpu_count_rounds_closely() {
         pfront_shaders::NARROW,
         pfront_shaders::DECIDE,
     ] {
-        let (module, _) = parse(&pass.source()).unwrap();
+        let (module, _) = parse(&pass);
         let mut names = module.overrides.iter().filter_map(|(_, own)| own.name.as_deref());
         assert!(names.any(|name| name == "MOST_ROUNDS"), "{}", pass.entry);
     }

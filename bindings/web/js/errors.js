@@ -16,10 +16,12 @@ export class StaleBody extends PfrontError {}
 export class BlobError extends PfrontError {}
 /** Bytes that are no mesh file. */
 export class FileError extends PfrontError {}
+/** There is no GPU, or it could not answer. */
+export class GpuError extends PfrontError {}
 /** `needed` bytes that are not to be had; all is as it was. */
 export class MemoryError extends PfrontError {}
 
-const classes = { PfrontError, MeshError, PoseError, DistanceError, NotSolid, StaleBody, BlobError, FileError, MemoryError };
+const classes = { PfrontError, MeshError, PoseError, DistanceError, NotSolid, StaleBody, BlobError, FileError, GpuError, MemoryError };
 for (const [name, { prototype }] of Object.entries(classes)) prototype.name = name;
 
 /** An error of the class of this name; numbers of what is at fault, if there are any, become properties by their keys. */

@@ -64,5 +64,7 @@ export class StaleBody extends PfrontError { body: number }
 export class BlobError extends PfrontError {}
 /** Bytes that are no mesh file. */
 export class FileError extends PfrontError {}
+/** There is no GPU, or it could not answer. */
+export class GpuError extends PfrontError {}
 /** So many bytes are not to be had; all is as it was. */
 export class MemoryError extends PfrontError { needed: number }

@@ -1,4 +1,4 @@
-// What both modules need: loading, files, geometries of three.js.
+// What all modules need: loading, files, geometries of three.js.
 
 import { error } from "./errors.js";
 import { bytes } from "./values.js";
@@ -41,7 +41,10 @@ export async function readFile(given, { format, f64 = false } = {}) {
 }
 
 /** Makes a mesh of a BufferGeometry of three.js, with its index or without; its draw range and groups are not looked at. */
-export const fromGeometry = (Mesh) => (geometry) => {
+export const fromGeometry = (Mesh) => (geometry) => new Mesh(...arraysOf(geometry));
+
+/** The positions and triangles of a BufferGeometry. */
+export function arraysOf(geometry) {
   const { position } = geometry.attributes;
   if (position?.itemSize !== 3) throw error("MeshError", "the geometry has no positions of three coordinates");
   let positions = position.array;
@@ -50,5 +53,5 @@ export const fromGeometry = (Mesh) => (geometry) => {
     for (let i = 0; i < position.count; i++) positions.set([position.getX(i), position.getY(i), position.getZ(i)], 3 * i);
   }
   const triangles = geometry.index?.array ?? Uint32Array.from({ length: position.count }, (_, i) => i);
-  return new Mesh(positions.subarray(0, 3 * position.count), triangles);
-};
+  return [positions.subarray(0, 3 * position.count), triangles];
+}

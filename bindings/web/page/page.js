@@ -45,6 +45,7 @@ async function show(mode) {
   for (const button of document.querySelectorAll("nav button")) button.setAttribute("aria-pressed", button.dataset.mode === mode);
   $("how").textContent = HOW[mode];
   for (const row of [$("other"), $("beside")]) row.hidden = mode !== "pair";
+  for (const row of [$("ongpu"), $("gpu")]) row.hidden = mode === "cloth";
   const meshes = meshesFor(mode);
   for (const [i, { positions, triangles }] of meshes.entries()) {
     const body = new Body(geometryOf(positions, triangles), COLOURS[(i + (mode === "cloth")) % 2]);
@@ -131,6 +132,7 @@ async function ask(positions) {
     const answer = await (state.mode === "pair" ? askPair : askSelf).ask(state.asked, positions);
     if (!answer || answer.at !== state.asked) return;
     draw(answer);
+    compareGpu(answer).catch((fault) => note(fault.message));
     if (state.mode === "pair") idle = setTimeout(beside, 600);
   } catch (fault) {
     note(fault.message);
@@ -158,6 +160,30 @@ function draw(answer) {
   $("backend").textContent = "CPU, wasm, in a Worker";
   Object.assign(state, { answer, answers: (state.answers ?? 0) + 1, update: performance.now() - start });
   dirty = true;
+}
+
+/** Has the GPU answer as well from now on, and compares. */
+async function onGpu() {
+  const row = $("gpu");
+  try {
+    Object.assign(row, { textContent: "…", className: "" });
+    ({ gpuPairs: state.gpu } = await import("./gpu.js"));
+    await compareGpu(state.answer);
+  } catch (fault) {
+    row.textContent = "none";
+    note(fault.message);
+  }
+}
+async function compareGpu(answer) {
+  const { at, matrix, contacts } = answer;
+  // Meshes of the GPU stay as they were uploaded.
+  if (!state.gpu || state.mode === "cloth") return;
+  const found = await state.gpu.ask(state.bodies, matrix);
+  if (!found || at !== state.asked) return;
+  const same = found.pairs.length === contacts.pairs.length && found.pairs.every((x, i) => x === contacts.pairs[i]);
+  $("gpu").textContent = `${found.ms.toFixed(1)} ms, ${same ? "same pairs ✓" : "other pairs"}`;
+  $("gpu").className = same ? "" : "wrong";
+  if (same) state.same = answer;
 }
 
 /** Asks three-mesh-bvh the same, when nothing else is to be done. Its misses are counted on positions posed as ours are. */
@@ -208,6 +234,7 @@ addEventListener("drop", (event) => {
   open(event.dataTransfer.files);
 });
 $("files").onchange = ({ target }) => open(target.files);
+$("gpu").onclick = () => state.gpu || onGpu();
 $("beside").onclick = () => state.mode === "pair" && beside(true);
 document.querySelector("nav").onclick = ({ target }) => target.dataset.mode && (note(""), show(target.dataset.mode));
 

@@ -7,6 +7,8 @@ import { serve } from "./serve.mjs";
 const [fresh, data, pictures] = process.argv.slice(2);
 const { server, url } = await serve({ "": "site", tests: "tests", fresh, data: data || "tests" });
 const args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+// WebGPU without a GPU.
+args.push("--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader");
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
 const page = await browser.newPage({ viewport: { width: 1200, height: 640 } });
 await page.goto(`${url}/tests/blank.html`);
@@ -20,12 +22,29 @@ const faults = [];
 page.on("pageerror", (fault) => faults.push(fault.message));
 page.on("request", (request) => request.url().startsWith(url) || /^(blob|data):/.test(request.url()) || faults.push(request.url()));
 
+const told = (of, counts) => {
+  const all = Object.values(counts).reduce((sum, count) => sum + count, 0);
+  console.log(`${of}: the recorded ${all} pairs of ${Object.keys(counts).length} cases`);
+};
 if (data) {
   for (const of of ["all", "small", "worker"]) {
     const counts = await page.evaluate(async (of) => (await import("/tests/cases.js")).check(of), of);
-    const all = Object.values(counts).reduce((sum, count) => sum + count, 0);
-    console.log(`${of}: the recorded ${all} pairs of ${Object.keys(counts).length} cases`);
+    told(of, counts);
   }
+  const least = { budget: 65536, most: 5000 };
+  told("gpu", await page.evaluate(async () => (await import("/tests/cases.js")).checkGpu()));
+  told("gpu, least budget", await page.evaluate(async (least) => (await import("/tests/cases.js")).checkGpu(least), least));
+  const counts = await page.evaluate(
+    (question) =>
+      new Promise((resolve, reject) => {
+        const worker = new Worker("/tests/worker.js", { type: "module" });
+        worker.onmessage = ({ data: { counts, fault } }) => (fault ? reject(new Error(fault)) : resolve(counts));
+        worker.onerror = ({ message }) => reject(new Error(message));
+        worker.postMessage(question);
+      }),
+    { most: 5000 },
+  );
+  told("gpu, in a Worker", counts);
 }
 
 page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
@@ -58,6 +77,11 @@ await page.waitForFunction(() => window.page.state.beside, { timeout: 60_000 });
 assert.equal(await page.evaluate(() => window.page.state.beside.missed), 0);
 if (pictures) await page.screenshot({ path: `${pictures}/page.png` });
 
+// The GPU answers from now on as well.
+const sameOnGpu = () => page.waitForFunction(() => window.page.state.same === window.page.state.answer, null, { timeout: 120_000 });
+await page.click("#gpu");
+await sameOnGpu();
+
 await drag(60, 20);
 const moved = await look();
 console.log("dragged:", JSON.stringify(moved));
@@ -66,6 +90,7 @@ await page.evaluate(() => (window.page.state.bodies[1].object.position.set(9, 0,
 const apart = await look();
 assert.deepEqual([apart.word, apart.pairs, apart.red, apart.yellow], ["apart", 0, 0, 0]);
 assert.match(apart.measure, /^gap \d/);
+await sameOnGpu();
 
 for (const mode of ["self", "cloth"]) {
   await page.click(`[data-mode=${mode}]`);

@@ -25,7 +25,7 @@ fn gpu() -> &'static Gpu {
 fn read<T: Pod>(buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
     let (device, queue) = (gpu().device(), gpu().queue());
     let encoder = device.create_command_encoder(&Default::default());
-    read_now(device, queue, encoder, buffer, count, None).unwrap()
+    pollster::block_on(read_now(device, queue, encoder, buffer, count, None)).unwrap()
 }
 
 fn run(sequence: &Sequence) {
@@ -209,6 +209,7 @@ fn a_shader_that_the_device_refuses_is_an_error() {
     let large = pfront_shaders::Pass {
         entry: "large",
         parts: &["@compute @workgroup_size(65536) fn large() {}"],
+        buffers: &[],
     };
     let device = gpu().device();
     let target = Target::new(device, gpu().arithmetic());

@@ -19,6 +19,7 @@ use arena::Arena;
 use bytemuck::Zeroable;
 pub use pairs::BodyPair;
 use pairs::{Body, Chunk, Chunks};
+#[cfg(not(target_arch = "wasm32"))]
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
 use std::sync::Arc;
@@ -209,7 +210,11 @@ impl World {
         let gpu = self.runner.engine.gpu.clone();
         self.arena.set_mesh(&gpu, mesh as usize, &bvh).inspect_err(|_| self.clear())
     }
+}
 
+/// Verbs that wait for their answers.
+#[cfg(not(target_arch = "wasm32"))]
+impl World {
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
     ///
     /// # Errors
@@ -229,11 +234,12 @@ impl World {
         mut visit: impl FnMut(BodyPair, &[TrianglePair]),
     ) -> Result<(), GpuError> {
         self.submit(pairs, GpuVerb::All)?;
-        self.finish(|_, runner, pairs, first, shift, _| {
-            answer::each_list(runner, &pairs[first..], shift, &mut visit);
-            Ok(())
-        })
-        .map(drop)
+        let take =
+            |_: &mut WorldAnswer, runner: &mut Runner, pairs: &[BodyPair], first, shift, _| {
+                answer::each_list(runner, &pairs[first..], shift, &mut visit);
+                Ok(())
+            };
+        pollster::block_on(self.finish(take)).map(drop)
     }
 
     /// Some pair that meets, if any does.
@@ -271,6 +277,21 @@ impl World {
         Ok(&self.ask(pairs, GpuVerb::CountEach)?.counts)
     }
 
+    /// Waits for the question that was submitted, and answers it. On the web this is an `async fn`.
+    ///
+    /// # Errors
+    /// [`GpuError::NotSubmitted`] if there is none; as [`World::all`].
+    pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
+        pollster::block_on(self.answer())
+    }
+
+    fn ask(&mut self, pairs: &[BodyPair], verb: GpuVerb) -> Result<&WorldAnswer, GpuError> {
+        self.submit(pairs, verb)?;
+        self.read()
+    }
+}
+
+impl World {
     /// Submits a question, for [`World::read`] to answer, and waits for nothing. Bodies may change in the meantime: the
     /// question is about those of now. An earlier answer that has not been read is lost.
     ///
@@ -317,12 +338,17 @@ impl World {
         }
     }
 
-    /// Waits for the question that was submitted, and answers it.
+    /// Awaits the question that was submitted, and answers it.
     ///
     /// # Errors
-    /// [`GpuError::NotSubmitted`] if there is none; as [`World::all`].
-    pub fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
-        let (verb, pairs) = self.finish(WorldAnswer::add)?;
+    /// As natively.
+    #[cfg(target_arch = "wasm32")]
+    pub async fn read(&mut self) -> Result<&WorldAnswer, GpuError> {
+        self.answer().await
+    }
+
+    async fn answer(&mut self) -> Result<&WorldAnswer, GpuError> {
+        let (verb, pairs) = self.finish(WorldAnswer::add).await?;
         if verb == GpuVerb::AnyEach {
             self.found.count = self.found.each.iter().flatten().count() as u64;
         }
@@ -335,7 +361,7 @@ impl World {
 
     /// Waits for the chunks of the question that was submitted, has the results of each taken, and submits the next. `take` gets
     /// the pairs of bodies, the number of the first of the chunk, and the bits of an id within a block.
-    fn finish(
+    async fn finish(
         &mut self,
         mut take: impl FnMut(
             &mut WorldAnswer,
@@ -368,7 +394,7 @@ impl World {
             let shift = asked.task.query.pair_shift;
             let rows = std::mem::take(&mut self.spare);
             let next = later.as_mut().and_then(|later| later.next(&self.arena, &pairs, rows));
-            self.runner.finish(asked, verb)?;
+            self.runner.finish(asked, verb).await?;
             report.join(&self.runner.report);
             (hits, most_hits) = (hits + self.runner.count, most_hits.max(self.runner.count));
             take(&mut self.found, &mut self.runner, &pairs, first, shift, verb)?;
@@ -404,11 +430,6 @@ impl World {
     pub fn bytes(&self) -> u64 {
         let table = self.table.as_ref().map_or(0, |own| own.pairs.size() + own.tallies.size());
         self.arena.bytes() + table
-    }
-
-    fn ask(&mut self, pairs: &[BodyPair], verb: GpuVerb) -> Result<&WorldAnswer, GpuError> {
-        self.submit(pairs, verb)?;
-        self.read()
     }
 
     fn check(&self, mesh: u32, pose: &Pose) -> Result<(), GpuError> {

@@ -1,4 +1,4 @@
-//! Errors of the core as those of JavaScript, whose classes are in `js/errors.js`. The small module has this file too.
+//! Errors of the core as those of JavaScript, whose classes are in `js/errors.js`. All modules about meshes have this file.
 
 use pfront_core::MeshError;
 use pfront_core::pose::PoseError;

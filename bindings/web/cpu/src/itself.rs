@@ -1,8 +1,9 @@
 //! One mesh with itself.
 
+use crate::contacts::{Contacts, contacts_out};
 use crate::mesh::Mesh;
 use crate::thrown::thrown;
-use crate::values::{Contacts, contacts_out, pairs_out};
+use crate::values::pairs_out;
 use crate::wide::distance;
 use js_sys::Uint32Array;
 use pfront::Adjacency;

@@ -4,6 +4,7 @@
 //! Typed arrays are copied in and out: a view would be of no use once the memory has grown. Matrices are by columns, as three.js
 //! keeps them. `js/values.js` and `js/errors.js` check and make what JavaScript does better.
 
+mod contacts;
 mod error;
 mod itself;
 mod mesh;

@@ -1,7 +1,8 @@
 //! Meshes with their BVHs.
 
+use crate::contacts::{bytes_out, f32_out, octets};
 use crate::thrown::{not_solid, thrown};
-use crate::values::{Positions, Triangles, bytes_out, corners, f32_out, octets, u32_out};
+use crate::values::{Positions, Triangles, corners, u32_out};
 use crate::wide::{Coordinates, coordinates, f64_out};
 use js_sys::{Float64Array, Uint8Array, Uint32Array};
 use pfront::{Model, Solid};

@@ -1,8 +1,9 @@
 //! Two meshes.
 
+use crate::contacts::{Contacts, contacts_out};
 use crate::mesh::Mesh;
 use crate::thrown::{not_solid, thrown};
-use crate::values::{Contacts, Matrix, contacts_out, pairs_out};
+use crate::values::{Matrix, pairs_out};
 use crate::wide::{JsGap, distance, f64_out, gap_out, pose};
 use js_sys::{Float64Array, Uint32Array};
 use pfront::{Error, Relation};

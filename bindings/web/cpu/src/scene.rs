@@ -1,8 +1,9 @@
 //! Many bodies in one world.
 
+use crate::contacts::{Contacts, contacts_out};
 use crate::mesh::Mesh;
 use crate::thrown::thrown;
-use crate::values::{Contacts, Matrix, Positions, contacts_out, list, u32_out};
+use crate::values::{Matrix, Positions, list, u32_out};
 use crate::wide::{Coordinates, JsGap, coordinates, distance, gap_out, pose};
 use js_sys::Uint32Array;
 use pfront::{Adjacency, BodyId, BodyOptions, Error, SceneHit};

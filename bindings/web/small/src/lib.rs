@@ -1,16 +1,17 @@
 //! The small module: meshes in f32, and which triangles of two, or of one and itself, intersect. It is made of the core alone,
 //! without what f64, distances and solids take.
 
+#[path = "../../cpu/src/contacts.rs"]
+mod contacts;
 #[path = "../../cpu/src/error.rs"]
 mod error;
 #[path = "../../cpu/src/values.rs"]
 mod values;
 
+use crate::contacts::{Contacts, bytes_out, contacts_out, f32_out, octets};
 use crate::error::{error, of_mesh, of_pose};
-use crate::values::{Contacts, Matrix, Positions, Triangles, bytes_out, columns, contacts_out};
-use crate::values::{
-    coordinates_f32, corners, f32_out, octets, pairs_out, pose_f32, u32_out, zeros,
-};
+use crate::values::{Matrix, Positions, Triangles, columns, coordinates_f32, corners};
+use crate::values::{pairs_out, pose_f32, u32_out, zeros};
 use js_sys::{Float32Array, Uint8Array, Uint32Array};
 use pfront_blob::{Blob, BlobError, BlobStorage, Counts, write};
 use pfront_core::bvh::{BuildOptions, BvhStorage, Refit, node_bound, refit, sah};
