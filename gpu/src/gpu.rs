@@ -206,7 +206,7 @@ impl Gpu {
                 target,
                 failure,
                 totals,
-                untold: Untold::default(),
+                untold: Default::default(),
             }),
         };
         gpu.check()?;
