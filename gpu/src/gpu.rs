@@ -121,6 +121,11 @@ impl Gpu {
     /// # Ok(()) }
     /// ```
     pub async fn open() -> Result<Self, GpuError> {
+        // wgpu would panic outside of a page and a Worker.
+        if WEB && !wgpu::util::is_browser_webgpu_supported().await {
+            let reason = "open a page, or a Worker of it, in a browser that has WebGPU".to_owned();
+            return Err(GpuError::NoAdapter { reason });
+        }
         let instance =
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = adapter(&instance).await?;
@@ -385,7 +390,6 @@ async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, GpuError> {
         let found = instance.request_adapter(&options).await;
         let advice = match std::env::var("WGPU_BACKEND") {
             Ok(backends) => format!("WGPU_BACKEND={backends} admits no other backend"),
-            Err(_) if WEB => "Open the page in a browser that has WebGPU".to_owned(),
             Err(_) => "Install a Vulkan driver; the package mesa-vulkan-drivers (with libvulkan1) \
                        brings one that runs on the CPU"
                 .to_owned(),

@@ -31,7 +31,7 @@ if (data) {
     const counts = await page.evaluate(async (of) => (await import("/tests/cases.js")).check(of), of);
     told(of, counts);
   }
-  const least = { budget: 65536, most: 5000 };
+  const least = { budget: 65536, most: 2000 };
   told("gpu", await page.evaluate(async () => (await import("/tests/cases.js")).checkGpu()));
   told("gpu, least budget", await page.evaluate(async (least) => (await import("/tests/cases.js")).checkGpu(least), least));
   const counts = await page.evaluate(
@@ -42,7 +42,7 @@ if (data) {
         worker.onerror = ({ message }) => reject(new Error(message));
         worker.postMessage(question);
       }),
-    { most: 5000 },
+    { most: 500 },
   );
   told("gpu, in a Worker", counts);
 }

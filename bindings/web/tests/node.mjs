@@ -64,6 +64,11 @@ const attribute = (array) => ({ array, itemSize: 3, count: array.length / 3 });
 const geometry = { attributes: { position: attribute(corners) }, index: { array: tetrahedron } };
 assert.equal(pf.Mesh.fromGeometry(geometry).triangleCount, 4);
 
+// There is no GPU in Node.
+const gpu = await import("pfront/gpu");
+await gpu.init();
+await assert.rejects(gpu.Gpu.open(), gpu.GpuError);
+
 // Files.
 const obj = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n");
 const file = await pf.readFile(obj);
