@@ -14,6 +14,9 @@
 //! A [`GpuModel`] is a mesh with its BVH on the device, a [`Deforming`] one whose vertices move; a
 //! [`GpuQuery`] owns the lists that a [`GpuQuestion`] needs, within a [`Budget`]; when they are full, the query goes on
 //! in parts. A [`World`] owns many posed bodies that share meshes as well.
+//!
+//! Natively all that waits blocks. In a browser nothing may: there [`Gpu::open`] and the methods named `read` are awaited, verbs
+//! are submitted and read, and [`Gpu::settle`] tells what was wrong with calls that return at once.
 
 mod ahead;
 mod buffer;
