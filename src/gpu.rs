@@ -1,7 +1,8 @@
 //! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal or Direct3D 12.
 //!
 //! A [`Gpu`] is a device of this machine or of the caller's; a [`GpuModel`] is the BVH of a
-//! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there. A [`GpuQuery`] asks about them for those
+//! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there, by positions from the host or from a
+//! [`VertexBuffer`] of the caller's. A [`GpuQuery`] asks about them for those
 //! who mind buffers and submissions themselves; with [`crate::Executor::gpu`] the queries of this crate do.
 //!
 //! # Examples

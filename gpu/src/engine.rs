@@ -9,6 +9,7 @@ use crate::gpu::{Certifying, Descent, Gpu};
 use crate::groups::{Dispatches, Groups, Meshes};
 use crate::layout::{Counters, Query};
 use crate::lists::Lists;
+use crate::model::Outside;
 use crate::pass::Named;
 use crate::read::read_now;
 use crate::results::{ReadBack, Run};
@@ -47,6 +48,8 @@ pub(crate) struct Engine {
     pub(crate) clock: Option<Clock>,
     /// Two models of which f32 left few pairs open in the last question: the next about them is asked without `decide`.
     pub(crate) few_open: Option<[u64; 2]>,
+    /// Which positions of the models that are bound the host has not seen.
+    outside: [Option<Outside>; 2],
     /// The wear of the models that are bound.
     pub(crate) wear: Option<[Arc<Wear>; 2]>,
     /// Ends a question early once it is set.
@@ -79,6 +82,7 @@ impl Engine {
             read_back: ReadBack::new(gpu)?,
             clock: None,
             few_open: None,
+            outside: [None, None],
             wear: None,
             cancel: None,
             lists,
@@ -124,6 +128,7 @@ impl Engine {
             ("seeds_b", &b.seeds),
         ];
         self.wear = Some([a.wear.clone(), b.wear.clone()]);
+        self.outside = [a.outside.clone(), b.outside.clone()];
         self.bind_buffers([a.id, b.id], &buffers)
     }
 
@@ -250,7 +255,9 @@ impl Engine {
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
-        self.read_back.copy(encoder, &self.lists, copies, order, self.ticket, last_front)
+        let run =
+            self.read_back.copy(encoder, &self.lists, copies, order, self.ticket, last_front)?;
+        Ok(self.read_back.copy_outside(encoder, run, &self.outside))
     }
 
     /// Records the passes of a run. Without a verb, it is one whose time does not count.

@@ -125,6 +125,21 @@ pub enum GpuError {
     /// New positions do not fit the mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A [`VertexBuffer`](crate::VertexBuffer) cannot hold the vertices of the mesh.
+    #[error("the buffer of vertices cannot be read: {reason}")]
+    VertexBuffer {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A vertex that came from a [`VertexBuffer`](crate::VertexBuffer) is not where it was said to be.
+    #[error(
+        "vertex {vertex} is not in the box that was promised for the buffer of vertices, or not finite: set positions again, with a \
+         box that holds them"
+    )]
+    OutsideBox {
+        /// The first such vertex.
+        vertex: u32,
+    },
     /// A mesh cannot be posed so.
     #[error(transparent)]
     Pose(#[from] PoseError),

@@ -95,6 +95,18 @@ shared! {
         end_job: u32,
     }
 
+    /// Where vertices are in a buffer of the caller's, and the box that holds them.
+    Taking {
+        low: [i32; 3],
+        vertices: u32,
+        high: [i32; 3],
+        stride: u32,
+        first: u32,
+        padding_1: u32,
+        padding_2: u32,
+        padding_3: u32,
+    }
+
     /// Parameters of a dispatch of a build.
     Build {
         triangles: u32,

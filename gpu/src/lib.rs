@@ -56,7 +56,7 @@ mod wear;
 mod world;
 
 pub use clock::Timing;
-pub use deforming::Deforming;
+pub use deforming::{Deforming, VertexBuffer};
 pub use error::GpuError;
 pub use gpu::Gpu;
 pub use model::GpuModel;

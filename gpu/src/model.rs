@@ -45,10 +45,21 @@ pub struct GpuModel {
     pub(crate) leaf_size: u32,
     /// `None` for an empty mesh.
     pub(crate) bounds: Option<Aabb>,
+    /// If the host has not seen the positions: which of them are not where they were said to be.
+    pub(crate) outside: Option<Outside>,
     /// Whether what is there is the shadow of a mesh in f64.
     pub(crate) is_shadow: bool,
     /// Box tests of queries about it.
     pub(crate) wear: Arc<Wear>,
+}
+
+/// What the device tells about positions that only it has seen.
+#[derive(Clone, Debug)]
+pub(crate) struct Outside {
+    /// One number: that of all vertices less that of the first outside of its box, or 0.
+    pub(crate) buffer: wgpu::Buffer,
+    /// The number of all vertices.
+    pub(crate) vertices: u32,
 }
 
 impl GpuModel {
@@ -89,6 +100,7 @@ impl GpuModel {
             leaf_size: bvh.nodes().iter().map(|node| node.count).fold(1, u32::max),
             bounds: bvh.aabb(),
             is_shadow: bvh.mesh().is_f64(),
+            outside: None,
             wear: Arc::default(),
         })
     }
@@ -129,7 +141,7 @@ impl GpuModel {
 
 impl Drop for GpuModel {
     fn drop(&mut self) {
-        release(self.buffers());
+        release(self.buffers().into_iter().chain(self.outside.as_ref().map(|own| &own.buffer)));
     }
 }
 

@@ -2,13 +2,14 @@
 
 use crate::GpuError;
 use crate::pass::{Pass, Target};
-use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, REFIT, SCAN, SCATTER, SURVEY};
+use pfront_shaders::{ARRANGE, COUNT, FIT, KEYS, REFIT, SCAN, SCATTER, SURVEY, TAKE};
 use wgpu::Device;
 
 /// Each of them, compiled.
 #[derive(Debug)]
 pub(crate) struct MovingPasses {
     pub(crate) refit: Pass,
+    pub(crate) take: Pass,
     pub(crate) survey: Pass,
     pub(crate) keys: Pass,
     pub(crate) count: Pass,
@@ -23,6 +24,7 @@ impl MovingPasses {
         let pass = |pass| Pass::new(device, pass, target);
         Ok(Self {
             refit: pass(&REFIT)?,
+            take: pass(&TAKE)?,
             survey: pass(&SURVEY)?,
             keys: pass(&KEYS)?,
             count: pass(&COUNT)?,

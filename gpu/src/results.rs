@@ -5,6 +5,7 @@ use crate::device::release;
 use crate::layout::{Counters, Rest};
 use crate::lists::{Lists, ORDERED_AT};
 use crate::memory::append;
+use crate::model::Outside;
 use crate::read::Mapping;
 use crate::task::Order;
 use crate::{Gpu, GpuError};
@@ -24,6 +25,8 @@ pub(crate) struct Run {
     order: Order,
     /// Hits that are copied, of a run that counts no more.
     most_hits: u32,
+    /// The vertices of each mesh of which the device tells whether one is outside of its box.
+    vertices: [u32; 2],
     /// The buffer into which they are copied.
     read_back: Buffer,
 }
@@ -50,6 +53,16 @@ impl Run {
     /// Whether so many hits, and so many of the rest, are copied as far as there are any.
     pub(crate) fn copies_at_least(&self, [hits, rest]: [u32; 2]) -> bool {
         hits <= self.copied[0].min(self.most_hits) && rest <= self.copied[1]
+    }
+
+    /// The first vertex outside of its box by what the device told, if it was asked.
+    fn outside(&self, told: [u32; 2]) -> Option<u32> {
+        let vertices = self.vertices.iter().zip(told);
+        let mut outside = vertices.filter_map(|(&vertices, told)| match told {
+            1.. => vertices.checked_sub(told),
+            0 => None,
+        });
+        outside.next()
     }
 }
 
@@ -85,7 +98,7 @@ impl ReadBack {
     ) -> Result<Run, GpuError> {
         let capacities = &lists.capacities;
         let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
-        let [hits_at, rest_at, end] = offsets(copied);
+        let [hits_at, rest_at, outside_at, end] = offsets(copied);
         if self.buffer.size() < end {
             // Half as much again, so that answers that grow do not replace it each time.
             self.buffer = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
@@ -102,13 +115,32 @@ impl ReadBack {
             copy(&lists.counters, 0, size_of::<Counters>() as u64);
             copy(&lists.hits, hits_at, rest_at - hits_at);
         }
-        copy(&lists.rest, rest_at, end - rest_at);
+        copy(&lists.rest, rest_at, outside_at - rest_at);
         if order == Order::Few {
             let bytes = u64::from(few) * size_of::<TrianglePair>() as u64;
             encoder.copy_buffer_to_buffer(&lists.counters, ORDERED_AT, &lists.hits, 0, bytes);
         }
         let most_hits = if order == Order::Few { few } else { u32::MAX };
-        Ok(Run { ticket, last_front, copied, order, most_hits, read_back: self.buffer.clone() })
+        let (vertices, read_back) = ([0; 2], self.buffer.clone());
+        Ok(Run { ticket, last_front, copied, order, most_hits, vertices, read_back })
+    }
+
+    /// Records that what the device tells about positions which the host has not seen is copied too.
+    pub(crate) fn copy_outside(
+        &self,
+        encoder: &mut CommandEncoder,
+        mut run: Run,
+        outside: &[Option<Outside>; 2],
+    ) -> Run {
+        let [.., at, _] = offsets(run.copied);
+        for (k, outside) in outside.iter().enumerate() {
+            if let Some(Outside { buffer, vertices }) = outside {
+                let at = at + (k * size_of::<u32>()) as u64;
+                encoder.copy_buffer_to_buffer(buffer, 0, &run.read_back, at, 4);
+                run.vertices[k] = *vertices;
+            }
+        }
+        run
     }
 
     /// Whether a run is done, which must have been submitted.
@@ -127,7 +159,7 @@ impl ReadBack {
         pairs: &mut Vec<TrianglePair>,
         cancel: Option<&AtomicBool>,
     ) -> Result<Found, GpuError> {
-        let [hits_at, rest_at, end] = offsets(run.copied).map(|at| at as usize);
+        let [hits_at, rest_at, outside_at, end] = offsets(run.copied).map(|at| at as usize);
         let Self { gpu, mapping, .. } = self;
         gpu.settle().await?;
         let (device, bytes) = (gpu.device(), end as u64);
@@ -139,7 +171,7 @@ impl ReadBack {
             // Too many to be put in order are all copied later.
             let copied = if counters.hits <= run.most_hits { run.copied[0] } else { 0 };
             let hits = counters.hits.min(copied) as usize;
-            let rest = (counters.rest as usize * size_of::<Rest>()).min(end - rest_at);
+            let rest = (counters.rest as usize * size_of::<Rest>()).min(outside_at - rest_at);
             let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
             append(pairs, copied)?;
             let in_order = match run.order {
@@ -148,7 +180,9 @@ impl ReadBack {
                 Order::Many => counters.unordered == 0,
             };
             let rest = bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]);
-            Ok::<_, GpuError>(Found { counters, in_order, rest })
+            let outside: [u32; 2] = bytemuck::pod_read_unaligned(&bytes[outside_at..]);
+            let outside = run.outside(outside);
+            Ok::<_, GpuError>((Found { counters, in_order, rest }, outside))
         };
         let found = reading.read(device, &run.read_back, bytes, cancel, take).await;
         if !matches!(found, Err(GpuError::Cancelled)) {
@@ -156,11 +190,11 @@ impl ReadBack {
             *mapping = None;
         }
         gpu.check()?;
-        let found: Found = found.map_err(|error| gpu.cause_of(error))??;
+        let (found, outside): (Found, _) = found.map_err(|error| gpu.cause_of(error))??;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);
         }
-        Ok(found)
+        outside.map_or(Ok(found), |vertex| Err(GpuError::OutsideBox { vertex }))
     }
 }
 
@@ -170,10 +204,11 @@ impl Drop for ReadBack {
     }
 }
 
-/// Where hits and the rest begin in the read-back buffer, and where they end. Few hits in order are as far from the counters
-/// on the device.
-fn offsets([hits, rest]: [u32; 2]) -> [u64; 3] {
+/// Where hits, the rest, and what is told about positions begin in the read-back buffer, and where that ends. Few hits in order are
+/// as far from the counters on the device.
+fn offsets([hits, rest]: [u32; 2]) -> [u64; 4] {
     let hits_at = ORDERED_AT;
     let rest_at = hits_at + u64::from(hits) * size_of::<TrianglePair>() as u64;
-    [hits_at, rest_at, rest_at + u64::from(rest) * size_of::<Rest>() as u64]
+    let outside_at = rest_at + u64::from(rest) * size_of::<Rest>() as u64;
+    [hits_at, rest_at, outside_at, outside_at + size_of::<[u32; 2]>() as u64]
 }

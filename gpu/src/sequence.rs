@@ -38,8 +38,24 @@ impl Sequence {
         parameters: BindingResource<'_>,
         workgroups: u32,
     ) -> Result<(), GpuError> {
+        let resources: Vec<_> =
+            buffers.iter().map(|&(name, buffer)| (name, buffer.as_entire_binding())).collect();
+        self.add_resources(gpu, which, &resources, parameters, workgroups)
+    }
+
+    /// The same over parts of buffers.
+    pub(crate) fn add_resources(
+        &mut self,
+        gpu: &Gpu,
+        which: Which,
+        resources: &[(&str, BindingResource<'_>)],
+        parameters: BindingResource<'_>,
+        workgroups: u32,
+    ) -> Result<(), GpuError> {
         let pass = which(&self.passes);
-        let buffers = pass.bind_buffers(gpu.device(), 0, buffers)?;
+        let find = |name: &str| resources.iter().find(|(own, _)| *own == name);
+        let buffers =
+            pass.bind(gpu.device(), 0, |name| find(name).map(|(_, resource)| resource.clone()))?;
         let parameters = pass.bind(gpu.device(), 1, |_| Some(parameters.clone()))?;
         self.dispatches.push((which, [buffers, parameters], workgroups));
         Ok(())

@@ -273,6 +273,9 @@ pub const REFIT: Pass = pass!(
     [positions, nodes, corners, schedule, rounds, jobs, stage]
 );
 
+/// Positions of vertices that are in a buffer of the caller's.
+pub const TAKE: Pass = pass!("take", [LAYOUT], [given, taken, outside, taking]);
+
 /// How to divide the nodes of a level of a balanced tree.
 pub const SURVEY: Pass = pass!(
     "survey",
@@ -312,7 +315,7 @@ pub const FIT: Pass =
 pub const PROBE: Pass = pass!("probe", [NOTHING, PLACE, SOFT, WIDE], [trials]);
 
 /// Every pass.
-pub const PASSES: [Pass; 24] = [
+pub const PASSES: [Pass; 25] = [
     SEED,
     EXPAND,
     NARROW,
@@ -329,6 +332,7 @@ pub const PASSES: [Pass; 24] = [
     SETTLE,
     GATHER,
     REFIT,
+    TAKE,
     SURVEY,
     KEYS,
     COUNT,

@@ -134,6 +134,7 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<GpuModel, 
         leaf_size: shape.map_or(1, Balanced::leaf_size),
         bounds: shape.map(|_| *bounds),
         is_shadow: false,
+        outside: None,
         wear: Arc::default(),
     })
 }

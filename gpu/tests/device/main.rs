@@ -11,4 +11,5 @@ mod near;
 mod order;
 mod pairs;
 mod scene;
+mod vertices;
 mod world;

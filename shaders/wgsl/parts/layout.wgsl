@@ -58,6 +58,19 @@ struct Query {
     distance: f32,
 }
 
+// Where vertices are in a buffer of the caller's, by words, and the box that holds them, in whole numbers that are in the order of f32.
+struct Taking {
+    low: vec3i,
+    vertices: u32,
+    high: vec3i,
+    // From one vertex to the next.
+    stride: u32,
+    first: u32,
+    padding_1: u32,
+    padding_2: u32,
+    padding_3: u32,
+}
+
 struct Step {
     // Index of this pass, and of the front it reads.
     pass_index: u32,

@@ -1,4 +1,6 @@
-//! A mesh that moves: positions are uploaded, everything else happens on the device.
+//! A mesh that moves: positions are uploaded, or taken from a buffer of the caller's; everything else happens on the device.
+
+mod vertices;
 
 use crate::build::{Built, price};
 use crate::clock::{Clock, Timing};
@@ -12,6 +14,8 @@ use crate::{GpuError, GpuModel};
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
+use vertices::Taken;
+pub use vertices::VertexBuffer;
 use wgpu::{Buffer, CommandBuffer, CommandEncoder};
 
 /// A [`GpuModel`] whose vertices move. Ask about it as about any other.
@@ -51,6 +55,8 @@ pub struct Deforming {
     /// The commands of the next refit, recorded while the device does the last one, and the buffer, mapped, from which they
     /// copy positions.
     ahead: Option<(CommandBuffer, Buffer)>,
+    /// What takes positions from a buffer of the caller's, if they last came from one.
+    taken: Option<Taken>,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
     /// If times are wanted.
@@ -86,8 +92,8 @@ impl Deforming {
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
         let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
         let staging = Staging::default();
-        let (ahead, build, clock) = (None, None, None);
-        Ok(Self { gpu, model, source, options, staging, refit, ahead, build, clock })
+        let (ahead, taken, build, clock) = (None, None, None, None);
+        Ok(Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock })
     }
 
     /// Uploads a mesh and builds its BVH on the device.
@@ -108,8 +114,9 @@ impl Deforming {
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
-        let (staging, ahead, clock) = (Staging::default(), None, None);
-        let mut own = Self { gpu, model, source, options, staging, refit, ahead, build, clock };
+        let (staging, ahead, taken, clock) = (Staging::default(), None, None, None);
+        let mut own =
+            Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock };
         own.rebuild()?;
         Ok(own)
     }
@@ -278,6 +285,7 @@ impl Deforming {
             let Built { mut model, build, refit } =
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
             model.wear = std::mem::take(&mut self.model.wear);
+            model.outside = self.model.outside.take();
             (self.model, self.build, self.refit) = (model, Some(build), refit);
             self.ahead = None;
         }
@@ -330,6 +338,7 @@ impl Deforming {
         }
         // The box of all vertices needs no read-back; it only bounds what a pose may do.
         self.model.bounds = self.model.bounds.map(|_| extent.aabb());
+        self.are_checked();
         Ok(())
     }
 }

@@ -1,0 +1,193 @@
+//! Positions that are on the device already, in a buffer of the caller's.
+
+use super::Deforming;
+use crate::GpuError;
+use crate::buffer::Usage;
+use crate::layout::Taking;
+use crate::model::{GpuModel, Outside};
+use crate::parameters::Parameters;
+use crate::sequence::{Sequence, groups_for};
+use pfront_core::Aabb;
+use pfront_shaders::constants::GROUP;
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferSize, BufferUsages, CommandEncoder};
+
+/// Vertices in a buffer of the caller's: what a skinning pass or a simulation wrote. Each begins with its position, three `f32`.
+///
+/// # Examples
+/// ```no_run
+/// # use pfront_core::Aabb;
+/// # use pfront_gpu::{Deforming, GpuError, GpuQuery, GpuQuestion, VertexBuffer, wgpu};
+/// # fn demo(mut cloth: Deforming, mut query: GpuQuery, skinned: wgpu::Buffer) -> Result<(), GpuError> {
+/// // Vertices of 32 bytes, of a cloth that stays within five metres.
+/// let bounds = Aabb { min: [-5.0; 3], max: [5.0; 3] };
+/// cloth.set_positions_from(&VertexBuffer { buffer: &skinned, offset: 0, stride: 32, bounds })?;
+/// println!("{} pairs", query.count(&GpuQuestion::itself(&cloth))?);
+/// # Ok(()) }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct VertexBuffer<'b> {
+    /// The buffer, of the device of the model, with [`BufferUsages::STORAGE`].
+    pub buffer: &'b Buffer,
+    /// The bytes before the first vertex, a multiple of 4.
+    pub offset: u64,
+    /// The bytes from one vertex to the next, a multiple of 4 and 12 at least.
+    pub stride: u64,
+    /// A box that holds all vertices. The host does not see them, and has to know how far poses may take them; a box that is larger
+    /// than it need be costs nothing.
+    pub bounds: Aabb,
+}
+
+/// What takes positions from a buffer, and where they were.
+#[derive(Debug)]
+pub(super) struct Taken {
+    buffer: Buffer,
+    offset: u64,
+    stride: u64,
+    bounds: Aabb,
+    sequence: Sequence,
+}
+
+impl Taken {
+    fn is_from(&self, vertices: &VertexBuffer<'_>) -> bool {
+        let VertexBuffer { buffer, offset, stride, bounds } = *vertices;
+        (&self.buffer, self.offset, self.stride, self.bounds) == (buffer, offset, stride, bounds)
+    }
+}
+
+impl VertexBuffer<'_> {
+    /// The bytes of so many vertices, from the first on.
+    fn bytes(&self, vertices: usize) -> Result<u64, GpuError> {
+        let refused = |reason| Err(GpuError::VertexBuffer { reason });
+        let Self { buffer, offset, stride, bounds } = self;
+        if offset % 4 != 0 || stride % 4 != 0 || *stride < 12 {
+            return refused(format!(
+                "its offset of {offset} bytes and its stride of {stride} have to be multiples of 4, and the stride 12 at least"
+            ));
+        }
+        if !bounds.min.iter().chain(&bounds.max).all(|x| x.is_finite()) {
+            return refused(format!(
+                "its box from {:?} to {:?} is not finite",
+                bounds.min, bounds.max
+            ));
+        }
+        if !buffer.usage().contains(BufferUsages::STORAGE) {
+            return refused("it lacks BufferUsages::STORAGE".to_owned());
+        }
+        let before_last = stride.checked_mul(vertices as u64 - 1);
+        let bytes = before_last.and_then(|bytes| bytes.checked_add(12));
+        let end = bytes.and_then(|bytes| bytes.checked_add(*offset));
+        match (bytes, end) {
+            (Some(bytes), Some(end)) if end <= buffer.size() => Ok(bytes),
+            _ => refused(format!(
+                "it has {} bytes, too few for {vertices} vertices of {stride} bytes from byte {offset} on",
+                buffer.size()
+            )),
+        }
+    }
+}
+
+impl Deforming {
+    /// Moves the vertices to where a buffer of the caller's has them when the device comes to it, and refits the BVH. Nothing passes
+    /// through the host, which waits for nothing.
+    ///
+    /// If a vertex is not in the box that was promised, or not finite, every question about the model that follows ends with
+    /// [`GpuError::OutsideBox`], which names the first, until positions are set anew. Shapes go on to wear the tree:
+    /// [`Deforming::is_worn`] tells, and [`Deforming::rebuild`] helps.
+    ///
+    /// # Errors
+    /// [`GpuError::VertexBuffer`], which says what is wrong with the buffer; [`GpuError::TooLarge`] if so much of it cannot be bound at
+    /// once; [`GpuError::OutOfMemory`]. Nothing has changed then.
+    ///
+    /// # Complexity
+    /// O(1) on the host, a few microseconds where buffer, layout and box are those of last time; O(vertices + triangles) on the
+    /// device.
+    pub fn set_positions_from(&mut self, vertices: &VertexBuffer<'_>) -> Result<(), GpuError> {
+        self.submit(|own, encoder| own.record_positions_from(encoder, vertices))
+    }
+
+    /// The same in an encoder of the caller's, after the passes that write the buffer. It has to be submitted before anything else is
+    /// asked about the model; a question may be recorded into it too ([`GpuQuery::record`](crate::GpuQuery::record)).
+    ///
+    /// # Errors
+    /// As [`Deforming::set_positions_from`].
+    pub fn record_positions_from(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        vertices: &VertexBuffer<'_>,
+    ) -> Result<(), GpuError> {
+        if self.source.vertices == 0 {
+            return Ok(());
+        }
+        if self.taken.as_ref().is_none_or(|taken| !taken.is_from(vertices)) {
+            self.taken = Some(self.take(vertices)?);
+        }
+        if let (Some(taken), Some(outside)) = (&self.taken, &self.model.outside) {
+            encoder.clear_buffer(&outside.buffer, 0, None);
+            taken.sequence.run(encoder, None);
+        }
+        self.refit.run(encoder, self.clock.as_mut());
+        self.model.bounds = self.model.bounds.map(|_| vertices.bounds);
+        Ok(())
+    }
+
+    /// What takes positions from a buffer.
+    fn take(&mut self, vertices: &VertexBuffer<'_>) -> Result<Taken, GpuError> {
+        let count = self.source.vertices;
+        let needed = vertices.bytes(count)?;
+        let VertexBuffer { buffer, offset, stride, bounds } = *vertices;
+        let gpu = &self.gpu;
+        let limits = gpu.device().limits();
+        // A binding begins at a multiple of this.
+        let before = offset % u64::from(limits.min_storage_buffer_offset_alignment);
+        let (needed, available) = (before + needed, limits.max_storage_buffer_binding_size);
+        if needed > available {
+            return Err(GpuError::TooLarge { what: "the caller's vertices", needed, available });
+        }
+        let outside = match &self.model.outside {
+            Some(outside) => outside.clone(),
+            None => Outside {
+                buffer: gpu.buffer("the vertex outside", 4, Usage::List)?,
+                vertices: count as u32,
+            },
+        };
+        let taking = Taking {
+            low: bounds.min.map(|x| in_order(if x == 0.0 { -0.0 } else { x })),
+            vertices: count as u32,
+            high: bounds.max.map(|x| in_order(x + 0.0)),
+            stride: (stride / 4) as u32,
+            first: (before / 4) as u32,
+            padding_1: 0,
+            padding_2: 0,
+            padding_3: 0,
+        };
+        let given =
+            BufferBinding { buffer, offset: offset - before, size: BufferSize::new(needed) };
+        let resources = [
+            ("given", BindingResource::Buffer(given)),
+            ("taken", self.source.positions.as_entire_binding()),
+            ("outside", outside.buffer.as_entire_binding()),
+        ];
+        let parameters = Parameters::new(gpu, "the layout of vertices", &[taking])?;
+        let groups = groups_for((count as u32).div_ceil(GROUP));
+        let mut sequence = Sequence::new(gpu)?;
+        sequence.add_resources(gpu, |p| &p.take, &resources, parameters.binding(0), groups)?;
+        if self.model.outside.is_none() {
+            // Commands that were recorded ahead do not ask for it.
+            (self.model.outside, self.model.id) = (Some(outside), GpuModel::next_id());
+        }
+        Ok(Taken { buffer: buffer.clone(), offset, stride, bounds, sequence })
+    }
+
+    /// The host has checked all positions.
+    pub(super) fn are_checked(&mut self) {
+        if self.model.outside.take().is_some() {
+            (self.taken, self.model.id) = (None, GpuModel::next_id());
+        }
+    }
+}
+
+/// Whole numbers in the order of finite numbers, as `take.wgsl` has them.
+fn in_order(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    if bits < 0 { bits ^ i32::MAX } else { bits }
+}
