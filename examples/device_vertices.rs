@@ -43,24 +43,27 @@ fn run(
     let mut mesh = Deforming::build(&gpu, Mesh::new(&shapes[0], triangles)?, &options)?;
     let mut query = GpuQuery::new(&gpu)?;
     let buffers = shapes.each_ref().map(|shape| skinned(&gpu, shape));
-    let mut times = [Vec::new(), Vec::new()];
-    for turn in 0..2 * rounds {
-        let at = turn % 2;
+    let mut host = Vec::new();
+    let mut by_host = [Vec::new(), Vec::new()];
+    for at in (0..2).cycle().take(2 * rounds) {
         let start = Instant::now();
         mesh.set_positions(&shapes[at])?;
-        let by_host = query.all(&GpuQuestion::itself(&mesh))?.to_vec();
-        times[0].push(start.elapsed());
-
+        query.all(&GpuQuestion::itself(&mesh))?;
+        host.push(start.elapsed());
+        by_host[at] = query.all(&GpuQuestion::itself(&mesh))?.to_vec();
+    }
+    // The box bounds how far a pose may take the mesh; here it stays where it is.
+    let bounds = Aabb { min: [-1e6; 3], max: [1e6; 3] };
+    let stride = 4 * STRIDE as u64;
+    let mut device = Vec::new();
+    for at in (0..2).cycle().take(2 * rounds) {
         let start = Instant::now();
-        // The box bounds how far a pose may take the mesh; here it stays where it is.
-        let bounds = Aabb { min: [-1e6; 3], max: [1e6; 3] };
-        let stride = 4 * STRIDE as u64;
         mesh.set_positions_from(&VertexBuffer { buffer: &buffers[at], offset: 0, stride, bounds })?;
         let by_device = query.all(&GpuQuestion::itself(&mesh))?;
-        times[1].push(start.elapsed());
-        assert_eq!(by_device, by_host);
+        device.push(start.elapsed());
+        assert_eq!(by_device, by_host[at]);
     }
-    let [host, device] = times.map(median);
+    let [host, device] = [host, device].map(median);
     println!(
         "{} triangles: {host:.1?} a frame with positions from the host, {device:.1?} from the device",
         triangles.len()
@@ -68,7 +71,7 @@ fn run(
     Ok(())
 }
 
-/// What a skinning pass leaves: vertices in a buffer of the device.
+/// Vertices in a buffer of the device, as a skinning pass leaves them.
 fn skinned(gpu: &Gpu, positions: &[[f32; 3]]) -> Buffer {
     let mut words = vec![0.0f32; positions.len() * STRIDE];
     for (vertex, position) in words.chunks_exact_mut(STRIDE).zip(positions) {

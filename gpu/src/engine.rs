@@ -48,7 +48,7 @@ pub(crate) struct Engine {
     pub(crate) clock: Option<Clock>,
     /// Two models of which f32 left few pairs open in the last question: the next about them is asked without `decide`.
     pub(crate) few_open: Option<[u64; 2]>,
-    /// Which positions of the models that are bound the host has not seen.
+    /// The positions of the models that are bound, where the host has not seen them.
     outside: [Option<Outside>; 2],
     /// The wear of the models that are bound.
     pub(crate) wear: Option<[Arc<Wear>; 2]>,

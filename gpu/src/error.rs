@@ -128,7 +128,7 @@ pub enum GpuError {
     /// A [`VertexBuffer`](crate::VertexBuffer) cannot hold the vertices of the mesh.
     #[error("the buffer of vertices cannot be read: {reason}")]
     VertexBuffer {
-        /// What is wrong with it.
+        /// The fault, with the numbers that do not fit.
         reason: String,
     },
     /// A vertex that came from a [`VertexBuffer`](crate::VertexBuffer) is not where it was said to be.

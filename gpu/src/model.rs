@@ -53,13 +53,20 @@ pub struct GpuModel {
     pub(crate) wear: Arc<Wear>,
 }
 
-/// What the device tells about positions that only it has seen.
+/// The word in which a device tells whether positions that only it has seen are where they were said to be.
 #[derive(Clone, Debug)]
 pub(crate) struct Outside {
     /// One number: that of all vertices less that of the first outside of its box, or 0.
     pub(crate) buffer: wgpu::Buffer,
     /// The number of all vertices.
     pub(crate) vertices: u32,
+}
+
+impl Outside {
+    pub(crate) fn new(gpu: &Gpu, source: &Source) -> Result<Self, GpuError> {
+        let buffer = gpu.buffer("the vertex outside", 4, Usage::List)?;
+        Ok(Self { buffer, vertices: source.vertices as u32 })
+    }
 }
 
 impl GpuModel {

@@ -1,16 +1,19 @@
 //! A mesh that moves: positions are uploaded, or taken from a buffer of the caller's; everything else happens on the device.
 
+mod extent;
 mod vertices;
 
 use crate::build::{Built, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
+use crate::model::Outside;
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::source::Source;
 use crate::staging::Staging;
 use crate::totals::count;
 use crate::{GpuError, GpuModel};
+use extent::Extent;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
@@ -55,8 +58,8 @@ pub struct Deforming {
     /// The commands of the next refit, recorded while the device does the last one, and the buffer, mapped, from which they
     /// copy positions.
     ahead: Option<(CommandBuffer, Buffer)>,
-    /// What takes positions from a buffer of the caller's, if they last came from one.
-    taken: Option<Taken>,
+    /// The dispatches that take positions from buffers of the caller's, the last that was new first.
+    taken: Vec<Taken>,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
     /// If times are wanted.
@@ -92,7 +95,7 @@ impl Deforming {
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
         let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
         let staging = Staging::default();
-        let (ahead, taken, build, clock) = (None, None, None, None);
+        let (ahead, taken, build, clock) = (None, Vec::new(), None, None);
         Ok(Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock })
     }
 
@@ -114,7 +117,7 @@ impl Deforming {
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
         let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
-        let (staging, ahead, taken, clock) = (Staging::default(), None, None, None);
+        let (staging, ahead, taken, clock) = (Staging::default(), None, Vec::new(), None);
         let mut own =
             Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock };
         own.rebuild()?;
@@ -182,6 +185,60 @@ impl Deforming {
     ) -> Result<(), GpuError> {
         self.record_write(encoder, positions)?;
         self.refit.run(encoder, self.clock.as_mut());
+        Ok(())
+    }
+
+    /// Moves the vertices to where a buffer of the caller's has them when the device comes to it, and refits the BVH. Nothing passes
+    /// through the host, which waits for nothing.
+    ///
+    /// If a vertex is not in the box that was promised, or not finite, every question about the model that follows ends with
+    /// [`GpuError::OutsideBox`], which names the first, until positions are set anew.
+    ///
+    /// # Errors
+    /// [`GpuError::VertexBuffer`], which says what is wrong with the buffer; [`GpuError::TooLarge`] if so much of it cannot be bound at
+    /// once; [`GpuError::OutOfMemory`]. Nothing has changed then.
+    ///
+    /// # Complexity
+    /// O(1) on the host, a few microseconds where buffer, layout and box are among the last four; O(vertices + triangles) on the
+    /// device.
+    pub fn set_positions_from(&mut self, vertices: &VertexBuffer<'_>) -> Result<(), GpuError> {
+        self.submit(|own, encoder| own.record_positions_from(encoder, vertices))
+    }
+
+    /// The same in an encoder of the caller's, after the passes that write the buffer. It has to be submitted before anything else is
+    /// asked about the model; a question may be recorded into it too ([`GpuQuery::record`](crate::GpuQuery::record)).
+    ///
+    /// # Errors
+    /// As [`Deforming::set_positions_from`].
+    pub fn record_positions_from(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        vertices: &VertexBuffer<'_>,
+    ) -> Result<(), GpuError> {
+        if self.source.vertices == 0 {
+            return Ok(());
+        }
+        let outside = match self.model.outside.clone() {
+            Some(outside) => outside,
+            None => Outside::new(&self.gpu, &self.source)?,
+        };
+        let at = match self.taken.iter().position(|taken| taken.is_from(vertices)) {
+            Some(at) => at,
+            None => {
+                let taken = Taken::new(&self.gpu, &self.source, &outside, vertices)?;
+                self.taken.truncate(BUFFERS - 1);
+                self.taken.insert(0, taken);
+                0
+            }
+        };
+        if self.model.outside.is_none() {
+            // Commands that were recorded ahead do not ask whether a vertex is outside.
+            (self.model.id, self.model.outside) = (GpuModel::next_id(), Some(outside.clone()));
+        }
+        encoder.clear_buffer(&outside.buffer, 0, None);
+        self.taken[at].sequence.run(encoder, None);
+        self.refit.run(encoder, self.clock.as_mut());
+        self.model.bounds = self.model.bounds.map(|_| vertices.bounds);
         Ok(())
     }
 
@@ -338,59 +395,17 @@ impl Deforming {
         }
         // The box of all vertices needs no read-back; it only bounds what a pose may do.
         self.model.bounds = self.model.bounds.map(|_| extent.aabb());
-        self.are_checked();
+        // The host has seen all of them.
+        self.taken.clear();
+        if self.model.outside.take().is_some() {
+            self.model.id = GpuModel::next_id();
+        }
         Ok(())
     }
 }
 
+/// The most buffers of the caller's that are remembered: one for each frame that a renderer has under way.
+const BUFFERS: usize = 4;
+
 /// Positions that are copied and checked while they are in the cache.
 const PART: usize = 1024;
-
-/// Extremes of coordinates: four vertices at once, so that compilers use vectors.
-struct Extent {
-    least: [f32; 12],
-    most: [f32; 12],
-    /// The sum of zero times each: NaN from the first on that is not finite.
-    zeros: [f32; 12],
-}
-
-impl Default for Extent {
-    fn default() -> Self {
-        Self { least: [f32::INFINITY; 12], most: [f32::NEG_INFINITY; 12], zeros: [0.0; 12] }
-    }
-}
-
-impl Extent {
-    fn add(&mut self, positions: &[[f32; 3]]) {
-        let coordinates: &[f32] = bytemuck::cast_slice(positions);
-        let (fours, rest) = coordinates.as_chunks::<12>();
-        for four in fours {
-            for (k, &x) in four.iter().enumerate() {
-                self.add_coordinate(k, x);
-            }
-        }
-        for (k, &x) in rest.iter().enumerate() {
-            self.add_coordinate(k, x);
-        }
-    }
-
-    #[inline]
-    fn add_coordinate(&mut self, k: usize, x: f32) {
-        self.least[k] = if x < self.least[k] { x } else { self.least[k] };
-        self.most[k] = if x > self.most[k] { x } else { self.most[k] };
-        self.zeros[k] += 0.0 * x;
-    }
-
-    fn is_finite(&self) -> bool {
-        self.zeros.iter().all(|&zero| zero == 0.0)
-    }
-
-    fn aabb(&self) -> Aabb {
-        let [mut min, mut max] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        for k in 0..12 {
-            min[k % 3] = min[k % 3].min(self.least[k]);
-            max[k % 3] = max[k % 3].max(self.most[k]);
-        }
-        Aabb { min, max }
-    }
-}

@@ -1,15 +1,14 @@
 //! Positions that are on the device already, in a buffer of the caller's.
 
-use super::Deforming;
-use crate::GpuError;
-use crate::buffer::Usage;
 use crate::layout::Taking;
-use crate::model::{GpuModel, Outside};
+use crate::model::Outside;
 use crate::parameters::Parameters;
 use crate::sequence::{Sequence, groups_for};
+use crate::source::Source;
+use crate::{Gpu, GpuError};
 use pfront_core::Aabb;
 use pfront_shaders::constants::GROUP;
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferSize, BufferUsages, CommandEncoder};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferSize, BufferUsages};
 
 /// Vertices in a buffer of the caller's: what a skinning pass or a simulation wrote. Each begins with its position, three `f32`.
 ///
@@ -37,18 +36,60 @@ pub struct VertexBuffer<'b> {
     pub bounds: Aabb,
 }
 
-/// What takes positions from a buffer, and where they were.
+/// The dispatch that takes positions from a buffer, and where they were.
 #[derive(Debug)]
 pub(super) struct Taken {
     buffer: Buffer,
     offset: u64,
     stride: u64,
     bounds: Aabb,
-    sequence: Sequence,
+    pub(super) sequence: Sequence,
 }
 
 impl Taken {
-    fn is_from(&self, vertices: &VertexBuffer<'_>) -> bool {
+    /// # Errors
+    /// As [`Deforming::set_positions_from`](super::Deforming::set_positions_from).
+    pub(super) fn new(
+        gpu: &Gpu,
+        source: &Source,
+        outside: &Outside,
+        vertices: &VertexBuffer<'_>,
+    ) -> Result<Self, GpuError> {
+        let count = source.vertices;
+        let needed = vertices.bytes(count)?;
+        let VertexBuffer { buffer, offset, stride, bounds } = *vertices;
+        let limits = gpu.device().limits();
+        // A binding begins at a multiple of this.
+        let before = offset % u64::from(limits.min_storage_buffer_offset_alignment);
+        let (needed, available) = (before + needed, limits.max_storage_buffer_binding_size);
+        if needed > available {
+            return Err(GpuError::TooLarge { what: "the caller's vertices", needed, available });
+        }
+        let taking = Taking {
+            low: bounds.min.map(|x| in_order(if x == 0.0 { -0.0 } else { x })),
+            vertices: count as u32,
+            high: bounds.max.map(|x| in_order(x + 0.0)),
+            stride: (stride / 4) as u32,
+            first: (before / 4) as u32,
+            padding_1: 0,
+            padding_2: 0,
+            padding_3: 0,
+        };
+        let given =
+            BufferBinding { buffer, offset: offset - before, size: BufferSize::new(needed) };
+        let resources = [
+            ("given", BindingResource::Buffer(given)),
+            ("taken", source.positions.as_entire_binding()),
+            ("outside", outside.buffer.as_entire_binding()),
+        ];
+        let parameters = Parameters::new(gpu, "the layout of vertices", &[taking])?;
+        let groups = groups_for((count as u32).div_ceil(GROUP));
+        let mut sequence = Sequence::new(gpu)?;
+        sequence.add_resources(gpu, |p| &p.take, &resources, parameters.binding(0), groups)?;
+        Ok(Self { buffer: buffer.clone(), offset, stride, bounds, sequence })
+    }
+
+    pub(super) fn is_from(&self, vertices: &VertexBuffer<'_>) -> bool {
         let VertexBuffer { buffer, offset, stride, bounds } = *vertices;
         (&self.buffer, self.offset, self.stride, self.bounds) == (buffer, offset, stride, bounds)
     }
@@ -82,106 +123,6 @@ impl VertexBuffer<'_> {
                 "it has {} bytes, too few for {vertices} vertices of {stride} bytes from byte {offset} on",
                 buffer.size()
             )),
-        }
-    }
-}
-
-impl Deforming {
-    /// Moves the vertices to where a buffer of the caller's has them when the device comes to it, and refits the BVH. Nothing passes
-    /// through the host, which waits for nothing.
-    ///
-    /// If a vertex is not in the box that was promised, or not finite, every question about the model that follows ends with
-    /// [`GpuError::OutsideBox`], which names the first, until positions are set anew. Shapes go on to wear the tree:
-    /// [`Deforming::is_worn`] tells, and [`Deforming::rebuild`] helps.
-    ///
-    /// # Errors
-    /// [`GpuError::VertexBuffer`], which says what is wrong with the buffer; [`GpuError::TooLarge`] if so much of it cannot be bound at
-    /// once; [`GpuError::OutOfMemory`]. Nothing has changed then.
-    ///
-    /// # Complexity
-    /// O(1) on the host, a few microseconds where buffer, layout and box are those of last time; O(vertices + triangles) on the
-    /// device.
-    pub fn set_positions_from(&mut self, vertices: &VertexBuffer<'_>) -> Result<(), GpuError> {
-        self.submit(|own, encoder| own.record_positions_from(encoder, vertices))
-    }
-
-    /// The same in an encoder of the caller's, after the passes that write the buffer. It has to be submitted before anything else is
-    /// asked about the model; a question may be recorded into it too ([`GpuQuery::record`](crate::GpuQuery::record)).
-    ///
-    /// # Errors
-    /// As [`Deforming::set_positions_from`].
-    pub fn record_positions_from(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        vertices: &VertexBuffer<'_>,
-    ) -> Result<(), GpuError> {
-        if self.source.vertices == 0 {
-            return Ok(());
-        }
-        if self.taken.as_ref().is_none_or(|taken| !taken.is_from(vertices)) {
-            self.taken = Some(self.take(vertices)?);
-        }
-        if let (Some(taken), Some(outside)) = (&self.taken, &self.model.outside) {
-            encoder.clear_buffer(&outside.buffer, 0, None);
-            taken.sequence.run(encoder, None);
-        }
-        self.refit.run(encoder, self.clock.as_mut());
-        self.model.bounds = self.model.bounds.map(|_| vertices.bounds);
-        Ok(())
-    }
-
-    /// What takes positions from a buffer.
-    fn take(&mut self, vertices: &VertexBuffer<'_>) -> Result<Taken, GpuError> {
-        let count = self.source.vertices;
-        let needed = vertices.bytes(count)?;
-        let VertexBuffer { buffer, offset, stride, bounds } = *vertices;
-        let gpu = &self.gpu;
-        let limits = gpu.device().limits();
-        // A binding begins at a multiple of this.
-        let before = offset % u64::from(limits.min_storage_buffer_offset_alignment);
-        let (needed, available) = (before + needed, limits.max_storage_buffer_binding_size);
-        if needed > available {
-            return Err(GpuError::TooLarge { what: "the caller's vertices", needed, available });
-        }
-        let outside = match &self.model.outside {
-            Some(outside) => outside.clone(),
-            None => Outside {
-                buffer: gpu.buffer("the vertex outside", 4, Usage::List)?,
-                vertices: count as u32,
-            },
-        };
-        let taking = Taking {
-            low: bounds.min.map(|x| in_order(if x == 0.0 { -0.0 } else { x })),
-            vertices: count as u32,
-            high: bounds.max.map(|x| in_order(x + 0.0)),
-            stride: (stride / 4) as u32,
-            first: (before / 4) as u32,
-            padding_1: 0,
-            padding_2: 0,
-            padding_3: 0,
-        };
-        let given =
-            BufferBinding { buffer, offset: offset - before, size: BufferSize::new(needed) };
-        let resources = [
-            ("given", BindingResource::Buffer(given)),
-            ("taken", self.source.positions.as_entire_binding()),
-            ("outside", outside.buffer.as_entire_binding()),
-        ];
-        let parameters = Parameters::new(gpu, "the layout of vertices", &[taking])?;
-        let groups = groups_for((count as u32).div_ceil(GROUP));
-        let mut sequence = Sequence::new(gpu)?;
-        sequence.add_resources(gpu, |p| &p.take, &resources, parameters.binding(0), groups)?;
-        if self.model.outside.is_none() {
-            // Commands that were recorded ahead do not ask for it.
-            (self.model.outside, self.model.id) = (Some(outside), GpuModel::next_id());
-        }
-        Ok(Taken { buffer: buffer.clone(), offset, stride, bounds, sequence })
-    }
-
-    /// The host has checked all positions.
-    pub(super) fn are_checked(&mut self) {
-        if self.model.outside.take().is_some() {
-            (self.taken, self.model.id) = (None, GpuModel::next_id());
         }
     }
 }

@@ -85,7 +85,7 @@ fn a_sheet_that_folds_in_buffers_of_any_layout() {
     assert!(found > 0);
 }
 
-/// What is written, refitted and asked in one submission is the answer about what was written.
+/// A mesh that is written, refitted and asked about in one submission is asked about as it was written.
 #[test]
 fn one_encoder_for_all() {
     let flat = sheet(30, |x, y| 0.1 * (9.0 * x * y).sin());
