@@ -16,8 +16,8 @@ pub(super) const HEIGHT: f64 = 32.0 * UNIT;
 /// rounds three times, by 2 u of at most 6 m: 36 u m more.
 pub(super) const CUBIC: f64 = 512.0 * UNIT;
 
-/// How often the time up to which a direction that moves with a feature separates is halved.
-const BISECTIONS: usize = 8;
+/// How often the time up to which a direction that moves with a feature separates is improved, at most.
+const IMPROVEMENTS: usize = 12;
 
 /// A cubic of time by its Bernstein coefficients.
 pub(super) type Cubic = [f64; 4];
@@ -31,7 +31,10 @@ impl MovingPair {
     #[inline]
     pub(super) fn advance(&self, time: f64, n: DVec3) -> f64 {
         let margin = (n.x.abs() + n.y.abs() + n.z.abs()) * HEIGHT + UNDERFLOWN;
-        let [of_start, of_end] = self.ends.each_ref().map(|corners| corners.map(|p| n.dot(p)));
+        let (mut of_start, mut of_end) = ([0.0; 6], [0.0; 6]);
+        for k in 0..6 {
+            (of_start[k], of_end[k]) = (n.dot(self.ends[0][k]), n.dot(self.ends[1][k]));
+        }
         let mut until = 1.0;
         for i in 0..self.corners[0] {
             for j in 3..3 + self.corners[1] {
@@ -61,59 +64,101 @@ impl MovingPair {
     ///
     /// The corners of a face are at one height along its normal, and the ends of an edge along a normal of it: what is left are three corners
     /// above a face, or two above two. A cubic is positive where its coefficients are; and if those of the part up to a time are, so are
-    /// those of every shorter part, so that the time is found by bisection.
+    /// those of every shorter part. The time is found by false position, and what is found is tested.
     #[inline]
     pub(super) fn advance_with(&self, time: f64, corners: &[DVec3; 6], feature: Feature) -> f64 {
         let margin = self.volume() * CUBIC + UNDERFLOWN;
-        let (cubics, len) = self.heights(corners, feature);
-        let cubics = &cubics[..len];
+        let mut cubics = self.heights(corners, feature);
         // The second is above the first along the normal or against it.
-        let sign = if cubics[0][0] > 0.0 { 1.0 } else { -1.0 };
-        let is_above = |part: f64| {
-            cubics.iter().all(|c| first_part(c, part).iter().all(|x| sign * x > margin))
-        };
-        if is_above(1.0) {
+        if cubics[0][0] < 0.0 {
+            cubics.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        }
+        let lowest = |part: f64| lowest(&cubics, part, margin);
+        let (at_end, is_above) = lowest(1.0);
+        if is_above {
             return 1.0;
         }
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if is_above(middle) { low = middle } else { high = middle }
+        // False position towards a height that is certain, but only just; the end that stays counts half.
+        let aim = 2.0 * margin;
+        let (mut low, mut high) = ([0.0, least(&cubics[0]) - aim], [1.0, at_end - aim]);
+        let mut before = None;
+        for _ in 0..IMPROVEMENTS {
+            let part = low[0] + (high[0] - low[0]) * (low[1] / (low[1] - high[1]));
+            if low[1] < aim || !(low[0] < part && part < high[0]) {
+                break;
+            }
+            let (height, is_above) = lowest(part);
+            let (end, other) = if is_above { (&mut low, &mut high) } else { (&mut high, &mut low) };
+            *end = [part, height - aim];
+            if before == Some(is_above) {
+                other[1] *= 0.5;
+            }
+            before = Some(is_above);
         }
+        let low = low[0];
         // Three roundings may have made it later by 4 u; or it is earlier than `time`.
         let until = (time + (1.0 - time) * low) * (1.0 - 8.0 * UNIT);
         if until > time { until } else { time }
     }
 
     /// The heights of the corners of the second triangle above those of the first along the normal of a feature, from the time of `corners`
-    /// to the end.
+    /// to the end: four cubics side by side, of which some may be the same.
     #[inline]
-    fn heights(&self, corners: &[DVec3; 6], feature: Feature) -> ([Cubic; 4], usize) {
+    fn heights(&self, corners: &[DVec3; 6], feature: Feature) -> [[f64; 4]; 4] {
         let ends = [corners, &self.ends[1]];
-        let edge = |from: usize, to: usize| ends.map(|p| p[to] - p[from]);
-        let (mut cubics, mut len) = ([[0.0; 4]; 4], 0);
-        match feature {
+        let edge =
+            |from: usize, to: usize| [ends[0][to] - ends[0][from], ends[1][to] - ends[1][from]];
+        let (normal, edges) = match feature {
             Feature::Face { of, .. } => {
                 let (own, other) = (3 * of, 3 - 3 * of);
-                let normal = normal(edge(own, own + 1), edge(own, own + 2));
-                for corner in other..other + self.corners[1 - of] {
-                    cubics[len] = height(&normal, edge(own, corner));
-                    len += 1;
-                }
+                // Corners that a segment or a point has not are its last one again.
+                let edges = [0, 1, 2, 0].map(|k| [own, other + k]);
+                (normal(edge(own, own + 1), edge(own, own + 2)), edges)
             }
             Feature::Edges([k, l]) => {
                 let [[a, a_end, a_third], [b, b_end, b_third]] = edges([k, l]);
-                let normal = normal(edge(a, a_end), edge(b, b_end));
-                for below in [a, a_third] {
-                    for above in [b, b_third] {
-                        cubics[len] = height(&normal, edge(below, above));
-                        len += 1;
-                    }
-                }
+                let edges = [[a, b], [a, b_third], [a_third, b], [a_third, b_third]];
+                (normal(edge(a, a_end), edge(b, b_end)), edges)
+            }
+        };
+        let mut cubics = [[0.0; 4]; 4];
+        for (lane, [from, to]) in edges.into_iter().enumerate() {
+            let cubic = height(&normal, edge(from, to));
+            for k in 0..4 {
+                cubics[k][lane] = cubic[k];
             }
         }
-        (cubics, len)
+        cubics
     }
+}
+
+/// The lowest coefficient of the first parts of four cubics side by side, up to a time, by de Casteljau's algorithm; and whether all are above
+/// `margin`.
+#[inline(always)]
+fn lowest([c0, c1, c2, c3]: &[[f64; 4]; 4], part: f64, margin: f64) -> (f64, bool) {
+    let rest = 1.0 - part;
+    let (mut low, mut are_above) = ([0.0; 4], [false; 4]);
+    for lane in 0..4 {
+        let between = |x: f64, y: f64| x * rest + y * part;
+        let p = between(c0[lane], c1[lane]);
+        let (q, r) = (between(c1[lane], c2[lane]), between(c2[lane], c3[lane]));
+        let (s, t) = (between(p, q), between(q, r));
+        let last = between(s, t);
+        low[lane] = less(less(c0[lane], p), less(s, last));
+        // A coefficient that is not a number is not above.
+        are_above[lane] = (c0[lane] > margin) & (p > margin) & (s > margin) & (last > margin);
+    }
+    (least(&low), are_above == [true; 4])
+}
+
+#[inline(always)]
+fn less(x: f64, y: f64) -> f64 {
+    if x < y { x } else { y }
+}
+
+#[inline(always)]
+fn least([p, q, r, s]: &[f64; 4]) -> f64 {
+    less(less(*p, *q), less(*r, *s))
 }
 
 /// The ends of an edge of each triangle, and the corners beside them.
@@ -135,13 +180,4 @@ pub(super) fn height(n: &[DVec3; 3], w: [DVec3; 2]) -> Cubic {
     const THIRD: f64 = 1.0 / 3.0;
     let inner = [n[1].dot(w[0]) + n[0].dot(w[1]), n[2].dot(w[0]) + n[1].dot(w[1])];
     [n[0].dot(w[0]), inner[0] * THIRD, inner[1] * THIRD, n[2].dot(w[1])]
-}
-
-/// The coefficients of a cubic on the first part of its interval, by de Casteljau's algorithm.
-#[inline(always)]
-fn first_part([c0, c1, c2, c3]: &Cubic, part: f64) -> Cubic {
-    let between = |x: f64, y: f64| x * (1.0 - part) + y * part;
-    let (p, q, r) = (between(*c0, *c1), between(*c1, *c2), between(*c2, *c3));
-    let (s, t) = (between(p, q), between(q, r));
-    [*c0, p, s, between(s, t)]
 }
