@@ -19,15 +19,15 @@ use glam::Vec3A;
 
 /// Sets of triangle pairs: bit 8·j + i for triangle i of the first block and j of the second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct PairSets {
+pub(crate) struct PairSets {
     /// Pairs whose boxes overlap.
-    pub(super) overlapping: u64,
+    pub(crate) overlapping: u64,
     /// Pairs that intersect, as far as f32 certifies it.
-    pub(super) hits: u64,
+    pub(crate) hits: u64,
     /// Overlapping pairs that neither f32 nor a certificate decides.
-    pub(super) open: u64,
+    pub(crate) open: u64,
     /// Undecided pairs that may share a vertex.
-    pub(super) may_share_vertex: u64,
+    pub(crate) may_share_vertex: u64,
 }
 
 impl TriangleBlock {

@@ -12,7 +12,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         self.a.bvh.root().is_some() && self.b.bvh.root().is_some()
     }
 
-    fn side(&self, side: usize) -> &PosedBvh<'a> {
+    pub(super) fn side(&self, side: usize) -> &PosedBvh<'a> {
         if side == 0 { &self.a } else { &self.b }
     }
 
@@ -20,27 +20,23 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         self.side(side).bvh.mesh()
     }
 
-    pub(crate) fn triangles_of_leaf(&self, side: usize, node: u32) -> &'a [u32] {
-        let bvh = &self.side(side).bvh;
-        bvh.leaf_triangles(bvh.node(node))
+    /// How far the difference of two corners in lanes may be from that of what they stand for, if they are shadows.
+    pub(crate) fn error_of_lanes(&self) -> Option<[f32; 3]> {
+        self.error().map(|error| error.to_array())
     }
 
-    /// The corners of a triangle of one side as they are posed, whatever they are posed in.
-    pub(crate) fn corners_in_f64(&self, side: usize, triangle: u32) -> [[f64; 3]; 3] {
-        let side = self.side(side);
-        match self.error() {
-            None => side.triangle(triangle).map(|p| p.map(f64::from)),
-            Some(_) => side.triangle_f64(triangle),
-        }
-    }
-
-    /// A box that contains a triangle of one side, in the frame of the query, or one that moves with it.
+    /// The corners of a triangle of one side as they are posed, whatever they are posed in, and a box that contains them in the frame of the query
+    /// or one that moves with it.
     #[inline]
-    pub(crate) fn bounds_of_triangle(&self, side: usize, triangle: u32) -> Bounds {
-        let [p, q, r] = self.side(side).triangle(triangle).map(Vec3A::from_array);
-        // The error is that of two corners.
-        let error = self.error().unwrap_or(Vec3A::ZERO);
-        Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error }
+    pub(crate) fn corners_and_box(&self, side: usize, triangle: u32) -> ([[f64; 3]; 3], Bounds) {
+        let side = self.side(side);
+        let [p, q, r] = side.triangle(triangle).map(Vec3A::from_array);
+        let bounds = |error| Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error };
+        match self.error() {
+            None => ([p, q, r].map(|p| p.as_dvec3().to_array()), bounds(Vec3A::ZERO)),
+            // The error is that of two corners.
+            Some(error) => (side.triangle_f64(triangle), bounds(error)),
+        }
     }
 
     pub(crate) fn adjacency(&self) -> Adjacency {

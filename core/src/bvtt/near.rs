@@ -137,7 +137,8 @@ pub(super) fn farthest_square(reach: f32) -> f32 {
 }
 
 /// A power of two by which the coordinates of two blocks, from a corner of theirs, become about 1 at most.
-fn scale(a: &Aabb, b: &Aabb) -> f32 {
+#[inline]
+pub(super) fn scale(a: &Aabb, b: &Aabb) -> f32 {
     let [a, b] = [a, b].map(|of| [of.min, of.max].map(Vec3A::from_array));
     let extent = (a[1].max(b[1]) - a[0].min(b[0])).max_element();
     // Far from where products of six factors overflow.
@@ -146,21 +147,21 @@ fn scale(a: &Aabb, b: &Aabb) -> f32 {
 }
 
 /// As many pairs as there are lanes.
-struct Group {
-    corners: [[Points; 3]; 2],
+pub(super) struct Group {
+    pub(super) corners: [[Points; 3]; 2],
     /// The bit of each.
-    bits: [u32; LANES],
-    len: usize,
+    pub(super) bits: [u32; LANES],
+    pub(super) len: usize,
 }
 
 impl Group {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { corners: [[[[0.0; LANES]; 3]; 3]; 2], bits: [0; LANES], len: 0 }
     }
 
     /// Takes pairs until every lane has one. Returns those that are left.
     #[inline(always)]
-    fn gather(&mut self, a: &TriangleBlock, b: &TriangleBlock, mut pairs: u64) -> u64 {
+    pub(super) fn gather(&mut self, a: &TriangleBlock, b: &TriangleBlock, mut pairs: u64) -> u64 {
         while pairs != 0 && self.len < LANES {
             let bit = pairs.trailing_zeros();
             pairs &= pairs - 1;

@@ -31,10 +31,10 @@ const MARGIN: f32 = 72.0 * UNIT;
 pub(super) const UNIT: f32 = 5.960_464_5e-8;
 
 /// 2^20: beyond it, squares might overflow.
-const MOST: f32 = 1_048_576.0;
+pub(super) const MOST: f32 = 1_048_576.0;
 
 /// 2^-20: the least extent that margins are made for, and the least length of a direction.
-const LEAST: f32 = 9.536_743e-7;
+pub(super) const LEAST: f32 = 9.536_743e-7;
 
 /// The question of each pair in lanes, in units in which coordinates are about 1 at most.
 #[derive(Clone, Copy)]
@@ -77,7 +77,7 @@ pub(super) fn certify<S: Simd>(a: [[S; 3]; 3], b: [[S; 3]; 3], reach: &Reach<S>)
 
 /// x − y for near points x and y of two triangles: the nearest but for rounding, unless they intersect.
 #[inline(always)]
-fn between<S: Simd>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [S; 3] {
+pub(super) fn between<S: Simd>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [S; 3] {
     let (of_a, of_b) = (edges(a), edges(b));
     let mut best = Best { z: difference(a[0], b[0]), square: S::splat(f32::INFINITY) };
     for k in 0..3 {
@@ -178,7 +178,7 @@ fn edges<S: Simd>(t: &[[S; 3]; 3]) -> [[S; 3]; 3] {
 
 /// A point relative to another, scaled.
 #[inline(always)]
-fn relative<S: Simd>(p: [S; 3], origin: [S; 3], scale: S) -> [S; 3] {
+pub(super) fn relative<S: Simd>(p: [S; 3], origin: [S; 3], scale: S) -> [S; 3] {
     scaled(difference(p, origin), scale)
 }
 

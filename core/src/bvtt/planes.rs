@@ -12,10 +12,10 @@ use crate::simd::point8::{abs, cross, difference, dot, highest, load, lowest, se
 pub(super) struct Planes<S> {
     /// How far differences of coordinates may be from those that corners stand for, if they are shadows.
     error: Option<[S; 3]>,
-    corners: [[S; 3]; 3],
-    vertices: [S; 3],
-    normal: [S; 3],
-    extent: [S; 3],
+    pub(super) corners: [[S; 3]; 3],
+    pub(super) vertices: [S; 3],
+    pub(super) normal: [S; 3],
+    pub(super) extent: [S; 3],
 }
 
 impl<S: Simd> Planes<S> {
@@ -295,7 +295,7 @@ fn shadow_bound<S: Simd>([x, y, z]: [S; 3], [d, e, f]: [S; 3]) -> S {
 /// The bound of [`crate::exact::filter32`]; NaN, to which nothing compares, where it does not hold. If corners are shadows, whose
 /// differences may be off by `error`, it holds for what they stand for.
 #[inline(always)]
-fn error_bound<S: Simd>(extent: [S; 3], error: Option<[S; 3]>) -> S {
+pub(super) fn error_bound<S: Simd>(extent: [S; 3], error: Option<[S; 3]>) -> S {
     let holds = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MAX_EXTENT));
     let mut bound = extent[0] * extent[1] * extent[2] * S::splat(ERROR) + S::splat(UNDERFLOW);
     if let Some(error) = error {

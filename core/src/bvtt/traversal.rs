@@ -95,7 +95,7 @@ impl<const SELF: bool, const F64: bool, const WITHIN: bool> Task
 }
 
 /// The triangle pairs of a leaf with itself, each once: for triangle j, in byte j, bits i < j (see [`super::cull`]).
-const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
+pub(crate) const BEFORE: u64 = 0x7f3f_1f0f_0703_0100;
 
 impl<const SELF: bool> Bvtt<'_, SELF> {
     /// Whether the boxes of a node pair, which overlap in the frame in which all boxes are compared, are apart in that of

@@ -154,12 +154,19 @@ pub fn impact(a: &MovingTriangle, b: &MovingTriangle) -> Result<Option<Impact>, 
 #[inline(always)]
 pub(super) fn impact_of(a: &MovingTriangle, b: &MovingTriangle) -> Option<Impact> {
     let pair = MovingPair::new(a, b);
-    if pair.is_separated() {
-        return None;
-    }
+    if pair.is_separated() { None } else { impact_in_steps(a, b, &pair) }
+}
+
+/// The same of a pair that no direction which is soon found separates.
+#[inline]
+pub(super) fn impact_in_steps(
+    a: &MovingTriangle,
+    b: &MovingTriangle,
+    pair: &MovingPair,
+) -> Option<Impact> {
     match pair.part(0.0, NEAR) {
         Progress::Apart => None,
-        Progress::Near(time, feature) => impact_after(a, b, &pair, time, feature),
+        Progress::Near(time, feature) => impact_after(a, b, pair, time, feature),
     }
 }
 

@@ -35,6 +35,28 @@ impl Soup {
         let triangles = (0..n as u32)
             .map(|t| [0, 1, 2].map(|_| (2 * t + rng.random_range(0..4)) % vertices as u32))
             .collect();
+        Self::of(rng, positions, triangles)
+    }
+
+    /// A sheet of `n` by `n` squares, all of whose triangles look to the same side, more or less flat.
+    fn sheet(rng: &mut ChaCha8Rng, n: u32, size: f32) -> Self {
+        let row = n + 1;
+        let positions = (0..row * row)
+            .map(|v| {
+                [(v % row) as f32, (v / row) as f32, 0.0].map(|x| x + rng.random_range(-size..size))
+            })
+            .collect();
+        let triangles = (0..n * n)
+            .flat_map(|square| {
+                let v = square / n * row + square % n;
+                [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]]
+            })
+            .collect();
+        Self::of(rng, positions, triangles)
+    }
+
+    fn of(rng: &mut ChaCha8Rng, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        let n = triangles.len();
         let mut soup = Self { positions, triangles, nodes: Vec::new(), order: Vec::new() };
         let (mut nodes, mut order) = (std::vec![Node::EMPTY; node_bound(n)], std::vec![0; n]);
         let options = BuildOptions { leaf_size: rng.random_range(1..=8), ..Default::default() };
@@ -151,9 +173,15 @@ fn deforming_meshes_as_every_pair() {
     let mut rng = seeded(61);
     let (mut hits, mut proven) = (0, 0);
     for _ in 0..rounds().min(400) {
-        let n = rng.random_range(1..60);
-        let start = Soup::new(&mut rng, n, 0.1);
-        let by = [0.0, 0.01, 0.3][rng.random_range(0..3_usize)];
+        let start = if rng.random_bool(0.5) {
+            let n = rng.random_range(1..60);
+            Soup::new(&mut rng, n, 0.1)
+        } else {
+            let (n, size) = (rng.random_range(1..=5), rng.random_range(0.01..0.8));
+            Soup::sheet(&mut rng, n, size)
+        };
+        let n = start.triangles.len();
+        let by = [0.0, 0.01, 0.3, 1.0][rng.random_range(0..4_usize)];
         let end =
             start.moved(|p| p.map(|x| if by > 0.0 { x + rng.random_range(-by..by) } else { x }));
         let motion = MovingBvh::new(at_rest(&start), at_rest(&end)).unwrap();
