@@ -30,10 +30,14 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     #[inline]
     pub(crate) fn corners_and_box(&self, side: usize, triangle: u32) -> ([[f64; 3]; 3], Bounds) {
         let side = self.side(side);
-        let [p, q, r] = side.triangle(triangle).map(Vec3A::from_array);
+        let [p, q, r] = side.triangle(triangle);
+        let [p, q, r] = [Vec3A::from_array(p), Vec3A::from_array(q), Vec3A::from_array(r)];
         let bounds = |error| Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error };
         match self.error() {
-            None => ([p, q, r].map(|p| p.as_dvec3().to_array()), bounds(Vec3A::ZERO)),
+            None => {
+                let in_f64 = |p: Vec3A| p.as_dvec3().to_array();
+                ([in_f64(p), in_f64(q), in_f64(r)], bounds(Vec3A::ZERO))
+            }
             // The error is that of two corners.
             Some(error) => (side.triangle_f64(triangle), bounds(error)),
         }

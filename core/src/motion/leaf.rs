@@ -18,10 +18,10 @@ impl Leaf {
     pub(super) fn of<const SELF: bool>(
         triangle: u32,
         side: usize,
-        ends: [&Bvtt<'_, SELF>; 2],
+        [start, end]: [&Bvtt<'_, SELF>; 2],
     ) -> Self {
-        let [(start, at_start), (end, at_end)] =
-            ends.map(|query| query.corners_and_box(side, triangle));
+        let (start, at_start) = start.corners_and_box(side, triangle);
+        let (end, at_end) = end.corners_and_box(side, triangle);
         Self { corners: [start, end], boxes: [at_start, at_end] }
     }
 }
