@@ -114,7 +114,6 @@ impl<'a> PosedBvh<'a> {
     }
 
     /// The posed corners of a triangle.
-    #[inline]
     pub(crate) fn triangle(&self, triangle: u32) -> Triangle {
         let corners = self.bvh.mesh().shadow_triangle(triangle);
         let Some(pose) = self.pose else { return corners };

@@ -1,0 +1,115 @@
+//! Steps of a motion: a cloth that falls on a ball, and 12 steps of a garment, of the recorded data.
+//!
+//! `cargo bench --bench motion [-- ROUNDS]`, with the data in `$PFRONT_DATA` or `../shared/data`: the best times of some rounds on one
+//! thread and on two, beside the static query about the same positions, and tests as multiples of those of the same traversal at rest.
+
+#![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
+
+use pfront::{Bvh, Executor, Impact, Model, Motion, Pose, SelfQuery, TrianglePair};
+use pfront_core::bvh::{Refit, refit};
+use pfront_core::bvtt::{PosedBvh, SelfBvtt, Work};
+use pfront_core::motion::MovingBvh;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::time::Instant;
+
+fn main() {
+    let rounds = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(5);
+    let data = std::env::var_os("PFRONT_DATA").map_or_else(
+        || concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into(),
+        PathBuf::from,
+    );
+    if !data.join("cloth").exists() {
+        println!("no recorded cloth in {}", data.display());
+        return;
+    }
+    let model = |file: &str| {
+        let mesh = pfront_files::read_f32(&data.join("cloth").join(file)).unwrap();
+        Model::new(mesh.positions, mesh.triangles).unwrap()
+    };
+    let ball = [92, 93].map(|frame| model(&format!("cloth_ball/cloth_ball{frame}.ply")));
+    time("ball", &[ball], rounds);
+    let garment = model("kick/kick_frame000.ply");
+    let bytes = std::fs::read(data.join("cloth/kick/kick_positions_121x12811x3.f32le")).unwrap();
+    let (words, _) = bytes.as_chunks::<4>();
+    let positions: Vec<_> = words.iter().map(|word| f32::from_le_bytes(*word)).collect();
+    let (positions, _) = positions.as_chunks::<3>();
+    let frame = |frame: usize| {
+        let mut model = garment.clone();
+        model.set_positions(&positions[frame * 12_811..][..12_811]).unwrap();
+        model
+    };
+    let steps: Vec<_> = (0..12).map(|step| [frame(10 * step), frame(10 * step + 1)]).collect();
+    time("kick", &steps, rounds);
+}
+
+/// Prints how long a step takes in the mean.
+fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
+    let motions: Vec<_> = steps.iter().map(|[p, q]| Motion::between(p, q).unwrap()).collect();
+    let best = |of: &mut dyn FnMut()| {
+        let mut once = || {
+            let begin = Instant::now();
+            of();
+            begin.elapsed().as_secs_f64() * 1e3 / steps.len() as f64
+        };
+        (0..rounds).map(|_| once()).fold(f64::INFINITY, f64::min)
+    };
+    let mut found: Vec<Vec<(TrianglePair, Impact)>> = Vec::new();
+    let mut query = SelfQuery::new();
+    let one = best(&mut || {
+        found = motions.iter().map(|motion| query.impacts(motion).unwrap()).collect();
+    });
+    let threads = Executor::threads(2);
+    let mut query = SelfQuery::new().on(&threads);
+    let two = best(&mut || {
+        for (motion, found) in motions.iter().zip(&found) {
+            assert!(query.impacts(motion).unwrap() == *found);
+        }
+    });
+    let mut query = SelfQuery::new();
+    let first = best(&mut || motions.iter().for_each(|motion| drop(query.first_impact(motion))));
+    let still = best(&mut || {
+        for [start, _] in steps {
+            query.forget();
+            query.count(start).unwrap();
+        }
+    });
+    let [moving, at_rest] = work(steps);
+    let pairs: Vec<_> = found.iter().flatten().collect();
+    let proven = pairs.iter().filter(|(_, impact)| impact.is_proven()).count();
+    // FNV-1a, by which answers of two programs are compared.
+    let hash = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
+    let digest = pairs.iter().fold(0xcbf2_9ce4_8422_2325, |digest, (pair, impact)| {
+        let words = [pair.a.into(), pair.b.into(), impact.from.to_bits(), impact.to.to_bits()];
+        words.into_iter().fold(digest, hash)
+    });
+    println!("{name}: {} pairs, {proven} proven, digest {digest:016x}", pairs.len());
+    println!(
+        "  impacts {one:.2} ms, on two threads {two:.2} ms; first {first:.2} ms; static {still:.2} ms"
+    );
+    let times = |of: fn(&Work) -> u64| of(&moving) as f64 / of(&at_rest) as f64;
+    println!(
+        "  box tests {} x {:.3}, triangle tests {} x {:.3}",
+        moving.box_tests,
+        times(|work| work.box_tests),
+        moving.triangle_tests,
+        times(|work| work.triangle_tests)
+    );
+}
+
+/// Tests of the motions, and of the same traversal from the start to itself.
+fn work(steps: &[[Model; 2]]) -> [Work; 2] {
+    let mut works = [Work::default(); 2];
+    for [start, end] in steps {
+        let (bvh, mut nodes) = (start.bvh(), start.bvh().nodes().to_vec());
+        refit(end.mesh(), &mut nodes, bvh.order(), Refit::default()).unwrap();
+        let moved = Bvh::new_unchecked(end.mesh(), &nodes, bvh.order());
+        let [start, moved] = [bvh, moved].map(|bvh| PosedBvh::new(bvh, &Pose::IDENTITY).unwrap());
+        for (work, to) in works.iter_mut().zip([moved, start]) {
+            let tree = SelfBvtt::moving(MovingBvh::new(start, to).unwrap());
+            let root = tree.root().unwrap();
+            let _ = tree.visit_below(root, work, |_, _| ControlFlow::Continue(()));
+        }
+    }
+    works
+}
