@@ -21,8 +21,8 @@
 //! [`crate::triangle::within`], which tests whether they intersect and, if not, their features in integers.
 //!
 //! # While both move
-//! The traversal of motions is in [`motion`](crate::motion). Its leaf pairs are decided by `moving` in place of `cull`, at both ends of the motion,
-//! and what that leaves open is gathered by `advance` until all lanes have a pair.
+//! The traversal of motions is in `motion`. Its leaf pairs are decided by `moving` in place of `cull`, at both ends of the motion,
+//! and what that leaves open is gathered by `moving_lanes` until all lanes have a pair.
 //!
 //! `wide_node` has the boxes of a step of the traversal, `posed_bvh` one side of a query, `trees` how queries are made, and
 //! `query` the verbs of the public interface.
@@ -37,8 +37,6 @@
 //! The traversal descends two levels at a time, all pairs of up to four nodes and four others, since a
 //! single box test is too small for a vector unit. Box tests, and so costs, are counted on these pairs.
 
-#[cfg(feature = "motion")]
-mod advance;
 mod any;
 #[cfg(feature = "within")]
 mod apart;
@@ -52,6 +50,8 @@ mod meet;
 mod motion;
 #[cfg(feature = "motion")]
 mod moving;
+#[cfg(feature = "motion")]
+mod moving_lanes;
 mod near;
 mod nearest;
 mod planes;
@@ -65,14 +65,14 @@ mod traversal;
 mod trees;
 mod wide_node;
 
-#[cfg(feature = "motion")]
-pub(crate) use advance::MovingGroup;
 pub use any::AnyBvtt;
 pub use cursor::{Cursor, Work};
 #[cfg(feature = "within")]
 pub use distance::{Gap, Search};
 #[cfg(feature = "motion")]
 pub(crate) use moving::MovingBlocks;
+#[cfg(feature = "motion")]
+pub(crate) use moving_lanes::MovingGroup;
 pub use posed_bvh::PosedBvh;
 pub(crate) use query::Estimated;
 pub use query::Query;

@@ -26,7 +26,7 @@
 //! A wrong guess, NaN or a bad division costs a step, never an answer.
 //!
 //! Few pairs of meshes in f32 come so far. Lanes reject those, eight at a time, that a plane or a direction certainly holds apart all the time,
-//! and tell which cross at the start (`bvtt::moving`); and they take the steps of others up to the end, if these get there (`bvtt::advance`).
+//! and tell which cross at the start (`bvtt::moving`); and they take the steps of others up to the end, if these get there (`bvtt::moving_lanes`).
 //! The rest is decided as above, so that lanes change no answer.
 //!
 //! # Which pairs are asked about
