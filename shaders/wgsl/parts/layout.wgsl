@@ -66,9 +66,6 @@ struct Taking {
     // From one vertex to the next.
     stride: u32,
     first: u32,
-    padding_1: u32,
-    padding_2: u32,
-    padding_3: u32,
 }
 
 struct Step {
