@@ -87,7 +87,7 @@ impl Capacities {
         Ok(Self { front: n, leaves: 2 * n, hits: n, kept: 2 * n, rest: n / 16 })
     }
 
-    /// So many hits the device surely puts in order: then the largest bucket, about three times the mean, has room.
+    /// So many hits the device surely puts in order: then a bucket has room for four times the mean (`sample.wgsl`).
     pub(crate) fn ordered(&self) -> u64 {
         u64::from(BUCKET.min(self.kept / BUCKETS) * BUCKETS / 4).max(1)
     }

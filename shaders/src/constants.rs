@@ -52,7 +52,7 @@ constants! {
     /// Buckets of the sort of the hits.
     BUCKETS = 1024;
     /// Hits of the sample for each bucket, where the largest bucket might not have room else.
-    FINER = 4;
+    FINER = 8;
     /// Hits that one dispatch puts in order, comparing each with all others: beyond, three dispatches take less time.
     FEW = 2 * BUCKETS;
     /// Invocations that rank a hit of the sample.

@@ -7,8 +7,9 @@ var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 fn sample(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
     const MINE = GROUP / RANKERS;
     let count = hit_count(lane);
-    // With one sampled hit a bucket, the largest of 1,024 buckets is about seven times the mean, and seldom ten times; with
-    // four, three times.
+    // A bucket between k sampled hits is as large as a sum of k exponential numbers. With one sampled hit, the largest of 1,024
+    // buckets is about seven times the mean, and seldom ten times; with eight, it is four times the mean, the most that a run is
+    // made for, in one list of 10,000.
     let each = select(1u, FINER, count > room() * (BUCKETS / 10u));
     let size = each * BUCKETS;
     let bits = countTrailingZeros(size);
