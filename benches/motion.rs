@@ -9,16 +9,13 @@ use pfront::{Bvh, Executor, Impact, Model, Motion, Pose, SelfQuery, TrianglePair
 use pfront_core::bvh::{Refit, refit};
 use pfront_core::bvtt::{PosedBvh, SelfBvtt, Work};
 use pfront_core::motion::MovingBvh;
+use pfront_testkit::{checksum, data_folder};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::time::Instant;
 
 fn main() {
     let rounds = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(5);
-    let data = std::env::var_os("PFRONT_DATA").map_or_else(
-        || concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into(),
-        PathBuf::from,
-    );
+    let data = data_folder();
     if !data.join("cloth").exists() {
         println!("no recorded cloth in {}", data.display());
         return;
@@ -77,12 +74,11 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
     let [moving, at_rest] = work(steps);
     let pairs: Vec<_> = found.iter().flatten().collect();
     let proven = pairs.iter().filter(|(_, impact)| impact.is_proven()).count();
-    // FNV-1a, by which answers of two programs are compared.
-    let hash = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
-    let digest = pairs.iter().fold(0xcbf2_9ce4_8422_2325, |digest, (pair, impact)| {
+    // By it answers of two programs are compared.
+    let digest = checksum(pairs.iter().flat_map(|(pair, impact)| {
         let words = [pair.a.into(), pair.b.into(), impact.from.to_bits(), impact.to.to_bits()];
-        words.into_iter().fold(digest, hash)
-    });
+        words.into_iter().flat_map(u64::to_le_bytes)
+    }));
     println!("{name}: {} pairs, {proven} proven, digest {digest:016x}", pairs.len());
     println!(
         "  impacts {one:.2} ms, on two threads {two:.2} ms; first {first:.2} ms; static {still:.2} ms"

@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (first, second) = (first?, second?);
             ([first.positions, second.positions], first.triangles)
         }
-        _ => sheet(if cfg!(debug_assertions) { 20 } else { 215 }),
+        [] => sheet(if cfg!(debug_assertions) { 20 } else { 215 }),
+        _ => return Err("give two files, or none".into()),
     };
     run(shapes, &triangles, if cfg!(debug_assertions) { 3 } else { 200 })
 }

@@ -6,7 +6,6 @@ use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
 use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
 use std::collections::HashSet;
-use std::path::PathBuf;
 
 /// Two bodies, the first of them first, and a triangle of each. Both bodies are the same within one mesh,
 /// and the triangles ascend.
@@ -246,9 +245,7 @@ fn voxels(triangles: usize, random: &mut impl Rng) -> MeshData {
 
 /// A recorded mesh, or a message where the data are missing.
 fn recorded(name: &str, file: &str) -> Option<MeshData> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    let read = pfront_files::read_f32(&folder.join(file));
+    let read = pfront_files::read_f32(&pfront_testkit::data_folder().join(file));
     let mesh = read.map(|read| MeshData { positions: read.positions, triangles: read.triangles });
     mesh.inspect_err(|error| {
         eprintln!("{name} is left out: {error} (set PFRONT_DATA to the folder with {file})");

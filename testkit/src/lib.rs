@@ -15,6 +15,7 @@ pub mod solids;
 
 pub use mesh::MeshData;
 pub(crate) use scenes::grid_triangles;
+use std::path::PathBuf;
 
 /// A point in f32, finite.
 pub type Point = [f32; 3];
@@ -25,6 +26,12 @@ pub type Triangle = [Point; 3];
 /// A pose as its rows: `[r0, r1, r2, t]` for each coordinate, p' = ((r0·x + r1·y) + r2·z) + t. In scenes, world from
 /// object.
 pub type Rows = [[f32; 4]; 3];
+
+/// The folder of recorded data: that which `PFRONT_DATA` names, else `../shared/data` beside the checkout.
+pub fn data_folder() -> PathBuf {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
+    std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from)
+}
 
 /// FNV-1a in 64 bits: short, public, and the same everywhere.
 pub fn checksum(bytes: impl IntoIterator<Item = u8>) -> u64 {

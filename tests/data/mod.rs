@@ -101,8 +101,7 @@ pub(crate) fn vectors(file: &str) -> Vec<[f32; 3]> {
 }
 
 pub(crate) fn data() -> PathBuf {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let folder = std::env::var_os("PFRONT_DATA").map_or_else(|| beside.into(), PathBuf::from);
+    let folder = pfront_testkit::data_folder();
     assert!(
         folder.join("oracle/cases.json").exists(),
         "no test data in {}: set PFRONT_DATA to the folder with oracle/cases.json and nasty/, or \

@@ -166,20 +166,17 @@ impl SelfQuery {
 
     /// All pairs that intersect, sorted: two triangles in turn, the smaller number first.
     pub async fn all(&mut self, mesh: &Mesh) -> Result<Uint32Array, JsValue> {
-        let question = GpuQuestion::Itself { model: &mesh.0, adjacency: self.1 };
-        self.0.all(&question).await
+        self.0.all(&itself(mesh, self.1)).await
     }
 
     /// Some pair that intersects, if any does.
     pub async fn any(&mut self, mesh: &Mesh) -> Result<Option<Uint32Array>, JsValue> {
-        let question = GpuQuestion::Itself { model: &mesh.0, adjacency: self.1 };
-        self.0.any(&question).await
+        self.0.any(&itself(mesh, self.1)).await
     }
 
     /// How many pairs intersect.
     pub async fn count(&mut self, mesh: &Mesh) -> Result<f64, JsValue> {
-        let question = GpuQuestion::Itself { model: &mesh.0, adjacency: self.1 };
-        self.0.count(&question).await
+        self.0.count(&itself(mesh, self.1)).await
     }
 }
 
@@ -189,6 +186,10 @@ fn pair<'m>(a: &'m Mesh, b: &'m Mesh, matrix: Option<Matrix>) -> Result<GpuQuest
         return Err(in_f64());
     }
     Ok(GpuQuestion::pair(&a.0, &b.0, &pose_f32(&columns)))
+}
+
+fn itself(mesh: &Mesh, adjacency: Adjacency) -> GpuQuestion<'_> {
+    GpuQuestion::Itself { model: &mesh.0, adjacency }
 }
 
 fn in_f64() -> JsValue {
