@@ -4,7 +4,7 @@ use pfront::{Model, PairQuery, Pose, TrianglePair};
 use pfront_core::triangle::intersects;
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{Rng, RngExt, seeded};
-use pfront_testkit::scenes::{Kind, Scene, icosphere, torus_knot};
+use pfront_testkit::scenes::{Kind, Scene, torus_knot};
 use std::collections::HashSet;
 
 /// Two bodies, the first of them first, and a triangle of each. Both bodies are the same within one mesh,
@@ -42,8 +42,6 @@ enum Motion {
     Deforming(Vec<Vec<[f32; 3]>>),
 }
 
-/// Distance of neighbours in a crowd, whose radii are 1.4 and 1.
-const GAP: f32 = 2.03;
 /// Frames of the sheet and of the crowd.
 const FRAMES: usize = 5;
 const SEED: u64 = 5;
@@ -103,29 +101,11 @@ impl Work {
         Some(Self { name: name.to_owned(), meshes: vec![first], motion })
     }
 
-    /// So many bodies of about 1,600 triangles in layers of 8 × 8, knots and spheres by turns. Each has
-    /// a mesh and a random orientation of its own, and turns and sways among its neighbours.
+    /// So many bodies that turn and sway among their neighbours, each with a mesh of its own.
     pub(crate) fn crowd(name: &str, count: usize) -> Self {
-        let shapes = [torus_knot(1600), icosphere(1600)];
-        let meshes = (0..count).map(|i| shapes[i % 2].clone()).collect();
-        let random = Scene::course(icosphere(20), icosphere(20), count, SEED);
-        let place = |i: usize| [i % 8, i / 8 % 8, i / 64];
-        let body = |i: usize, frame: usize| {
-            let time = 0.03 * frame as f32 + i as f32;
-            let [x, y, z] = poses(&random, i)[1].rows.map(|[x, y, z, _]| [x, y, z]);
-            let (sin, cos) = time.sin_cos();
-            let turned = [
-                [0, 1, 2].map(|k| cos * x[k] - sin * y[k]),
-                [0, 1, 2].map(|k| sin * x[k] + cos * y[k]),
-                z,
-            ];
-            let center = place(i).map(|k| GAP * k as f32 + 0.1 * (2.0 * time + k as f32).sin());
-            let row = |k: usize| [turned[k][0], turned[k][1], turned[k][2], center[k]];
-            Pose::new([0, 1, 2].map(row))
-        };
-        let frame = |frame| (0..count).map(|i| body(i, frame)).collect();
-        let motion = Motion::Rigid((0..FRAMES).map(frame).collect());
-        Self { name: name.to_owned(), meshes, motion }
+        let scene = Scene::by_name("crowd", Some(1600 * count)).unwrap();
+        let motion = Motion::Rigid((0..FRAMES).map(|frame| poses(&scene, frame)).collect());
+        Self { name: name.to_owned(), meshes: scene.meshes, motion }
     }
 
     /// Two solids of unit cubes, of so many triangles each. The second is posed by the 24 rotations of

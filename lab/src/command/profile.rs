@@ -45,10 +45,12 @@ pub(crate) struct Profile {
 }
 
 /// Milliseconds of a frame, of moving and refitting, generating the front, threads that do not yet run, traversing, threads
-/// that wait for the last one, merging the lists, and what is left; then busiest worker over mean, in counted tests, and the
-/// nodes of the front.
-const COLUMNS: [&str; 10] = [
+/// that wait for the last one, merging the lists, and what is left; then busiest worker over mean, in counted tests, the
+/// nodes of the front, and the number of workers past which eq. 6 promises no gain: its cost over that of its largest node. Nodes
+/// that can be split are made small enough for g p workers at least, so a number near that says no more.
+const COLUMNS: [&str; 11] = [
     "frame", "update", "front", "waking", "walk", "waiting", "gather", "other", "balance", "nodes",
+    "eq. 6",
 ];
 
 type Row = [f64; COLUMNS.len()];
@@ -123,7 +125,11 @@ fn row(update: Duration, whole: Duration, report: Option<&Report>) -> Row {
     let other = (ms(whole) - known.iter().sum::<f64>()).max(0.0);
     let [update, front, waking, walk, waiting, gather] = known;
     let (balance, nodes) = (report.imbalance(), report.nodes as f64);
-    [ms(whole), update, front, waking, walk, waiting, gather, other, balance, nodes]
+    let useful = match report.front.epsilon {
+        0.0 => 0.0,
+        epsilon => (report.shares.len() as f64 / epsilon).ceil(),
+    };
+    [ms(whole), update, front, waking, walk, waiting, gather, other, balance, nodes, useful]
 }
 
 /// The means over the half of the frames that is neither the fastest nor the slowest, without the first frame.

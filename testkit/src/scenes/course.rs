@@ -43,6 +43,11 @@ fn direction(random: &mut ChaCha8Rng) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
+/// A uniform rotation, the same for the same `number` on every machine.
+pub(crate) fn random_rotation(number: u64) -> DAffine3 {
+    rotation(&mut ChaCha8Rng::seed_from_u64(number))
+}
+
 /// A uniform rotation (Shoemake, Graphics Gems III, 1992).
 fn rotation(random: &mut ChaCha8Rng) -> DAffine3 {
     let share: f64 = random.random();

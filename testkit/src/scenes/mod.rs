@@ -1,7 +1,7 @@
 //! Benchmark scenes, generated: no data files, no simulation.
 //!
 //! The scenes stand for those of Zhang & Kim (TVCG 2014, section 5): a worm drive (Fig. 6a), 17
-//! bodies (Fig. 6b), a cloth (Fig. 8), random courses (Fig. 9). They have the
+//! bodies (Fig. 6b), a cloth (Fig. 8), random courses (Fig. 9); and there is a crowd of hundreds. They have the
 //! paper's triangle counts and its kinds of contact, not its shapes; and where the paper simulates,
 //! these move kinematically, by angle and by formula.
 //!

@@ -27,14 +27,14 @@ pub enum SceneError {
 
 impl Scene {
     /// The names that [`Scene::by_name`] knows.
-    pub const NAMES: [&'static str; 6] =
-        ["worm-gear", "swarm", "sheet", "torus-knots", "spheres", "course"];
+    pub const NAMES: [&'static str; 7] =
+        ["worm-gear", "swarm", "crowd", "sheet", "torus-knots", "spheres", "course"];
 
     /// The scene called `name` in about `size` triangles, all objects together.
     ///
     /// Without a size: as many as in the paper (worm-gear 64K, swarm 149K, sheet 92K, course
-    /// 2 × 58K), 2 × 50K for the others. A size below what the shape needs gives the coarsest one,
-    /// which has 7,552 triangles for worm-gear, 3,252 for swarm, 768 or fewer for the others.
+    /// 2 × 58K), 500 × 1,600 for a crowd, 2 × 50K for the others. A size below what the shape needs gives the coarsest one,
+    /// which has 7,552 triangles for worm-gear, 3,252 for swarm, 1,568 for a crowd, 768 or fewer for the others.
     ///
     /// # Errors
     /// [`SceneError`] for a name not in [`Scene::NAMES`] or a size above 100 million.
@@ -45,6 +45,7 @@ impl Scene {
         Ok(match name {
             "worm-gear" => worm::scene(size.unwrap_or(worm::TRIANGLES)),
             "swarm" => passing::swarm(size.unwrap_or(149_000)),
+            "crowd" => passing::crowd(size.unwrap_or(800_000)),
             "sheet" => sheet::scene(size.unwrap_or(sheet::TRIANGLES)),
             "torus-knots" => passing::torus_knots(size.unwrap_or(100_000)),
             "spheres" => passing::spheres(size.unwrap_or(100_000)),

@@ -76,6 +76,7 @@ fn scenes_have_the_recorded_bits() {
     let recorded = [
         ("worm-gear", 0x9218_612a_d64a_4e9f),
         ("swarm", 0x1b3e_7e3c_22e4_7f11),
+        ("crowd", 0x837d_9092_6ed9_41a8),
         ("sheet", 0x4c86_e851_7598_eb95),
         ("torus-knots", 0x35a6_17eb_10cc_9d82),
         ("spheres", 0x695e_1063_bbd4_d6e6),
