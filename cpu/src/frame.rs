@@ -5,8 +5,8 @@ use crate::front::Start;
 use crate::memory::{push, reserve, resize};
 use crate::output::Output;
 use crate::workers::DividedFrame;
-use crate::{MemoryError, Report, Schedule, Traversal};
-use pfront_core::bvtt::{Cursor, Query, Work};
+use crate::{MemoryError, Queries, Report, Schedule, Traversal};
+use pfront_core::bvtt::{Query, Work};
 use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::estimate;
 use std::sync::atomic::Ordering::Relaxed;
@@ -37,9 +37,9 @@ impl Traversal {
     /// # Errors
     /// [`MemoryError`] if an output or the front cannot grow. All threads have stopped then, and the memory of the last frames
     /// is given back.
-    pub(crate) fn run<Q: Query + Sync, O: Output>(
+    pub(crate) fn run<Q: Queries + ?Sized, O: Output>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         only_one_hit: bool,
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
@@ -54,9 +54,9 @@ impl Traversal {
         ended
     }
 
-    fn try_run<Q: Query + Sync, O: Output>(
+    fn try_run<Q: Queries + ?Sized, O: Output>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         only_one_hit: bool,
         outputs: &mut Vec<O>,
         new_output: impl Fn() -> O,
@@ -90,9 +90,9 @@ impl Traversal {
     }
 
     /// Begins a frame on the calling thread, unless it is expected to be worth several from the start; returns whether it is.
-    fn begin<Q: Query>(
+    fn begin<Q: Queries + ?Sized>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         only_one_hit: bool,
         control: &Control,
         output: &mut impl Output,
@@ -128,14 +128,14 @@ impl Traversal {
 
     /// Whether a frame is worth several threads from the start: by the last one. If nobody has measured what a call takes, a
     /// first frame goes by an estimate; else nothing is expected of it, since estimates are often too high.
-    fn expects_much<Q: Query>(&self, queries: &[Q]) -> bool {
+    fn expects_much<Q: Queries + ?Sized>(&self, queries: &Q) -> bool {
         if let Some(call) = self.pool.call {
             return self.last_cost.is_some()
                 && self.predicted() >= self.worth(call.max(self.overhead));
         }
         let estimated = || {
-            let roots = queries.iter().filter_map(|query| Some((query, query.root()?)));
-            roots.map(|(query, root)| estimate(query, root)).sum()
+            let roots = (0..queries.len() as u32).filter_map(|n| Some((n, queries.root(n)?)));
+            roots.map(|(number, root)| estimate(&queries.query(number), root)).sum()
         };
         self.last_cost.unwrap_or_else(estimated) >= ALONE as f64
     }
@@ -152,9 +152,9 @@ impl Traversal {
 
     /// Traverses the queries in turn on the calling thread, for so many seconds `alone` if they are known, unless the frame
     /// is to be divided `from_roots`; notes what is left.
-    fn traverse_alone<Q: Query>(
+    fn traverse_alone<Q: Queries + ?Sized>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         from_roots: bool,
         alone: Option<f64>,
         control: &Control,
@@ -164,13 +164,15 @@ impl Traversal {
         let (mut work, mut is_enough) = (Work::default(), from_roots);
         // The end of the first step, and the work until then.
         let mut clock: Option<(Instant, f64)> = None;
-        for (query, number) in queries.iter().zip(0..) {
-            let Some(root) = query.root() else { continue };
+        for number in 0..queries.len() as u32 {
             if is_enough {
-                push(&mut self.starts, Start { query: number, pair: root })?;
+                if let Some(pair) = queries.root(number) {
+                    push(&mut self.starts, Start { query: number, pair })?;
+                }
                 continue;
             }
-            let mut cursor = Cursor::at(root);
+            let query = &queries.query(number);
+            let mut cursor = query.start();
             while !cursor.is_done() && !is_enough && !control.is_over() {
                 let next = if self.pool.p() == 1 { u64::MAX } else { cursor.work.tests() + STEP };
                 control.traverse(query, number, &mut cursor, output, next, &|| false);
@@ -205,9 +207,9 @@ impl Traversal {
     /// Divides the pending node pairs by a front, or, for one hit, as they are: a front would change the order, since the dearest
     /// nodes would come first, and a hit that is near for one thread might be far. Costs are remembered for a front that
     /// begins at the roots.
-    fn divide<Q: Query + Sync, O: Output>(
+    fn divide<Q: Queries + ?Sized, O: Output>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         from_roots: bool,
         only_one_hit: bool,
         control: &Control,

@@ -5,8 +5,8 @@
 //! `max_nodes` or as far as there is memory, and then g is halved.
 
 use crate::memory::resize;
-use crate::{MemoryError, Report, Schedule, Settings, Share};
-use pfront_core::bvtt::{NodePair, Query};
+use crate::{MemoryError, Queries, Report, Schedule, Settings, Share};
+use pfront_core::bvtt::NodePair;
 use pfront_core::front::{Front, FrontNode, FrontReport, Part, RefineOptions};
 use std::time::Instant;
 
@@ -77,9 +77,9 @@ impl FrontMemory {
     ///
     /// # Errors
     /// [`MemoryError`] if there is no room for the nodes that it starts from.
-    pub(crate) fn divide<Q: Query>(
+    pub(crate) fn divide<Q: Queries + ?Sized>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         starts: &[Start],
         settings: &Settings,
         report: &mut Report,
@@ -96,7 +96,7 @@ impl FrontMemory {
             let capacity = self.nodes.len().min(most);
             let mut front = Front::new(&mut self.nodes[..capacity]);
             add_all(&mut front, starts.iter().copied());
-            let query = |number: u32| &queries[number as usize];
+            let query = |number| queries.query(number);
             let history = if settings.coherence { &mut self.history[..] } else { &mut [] };
             let refined = front.refine(&options, history, query);
             box_tests += refined.box_tests;

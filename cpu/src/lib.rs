@@ -42,7 +42,7 @@
 //! default one, on every thread, and afterwards each thread has its own again; visitors run in that of their thread.
 //! [`Pool::install`] and [`Pool::spawn`] change nothing for the function that they run.
 
-// `traversal` has the verbs; each calls `Traversal::run` in `frame`, which begins alone and then divides: `front` makes and
+// `traversal` has the verbs, about `queries`; each calls `Traversal::run` in `frame`, which begins alone and then divides: `front` makes and
 // partitions the front, and `workers` has each thread traverse its part, into an output of `output`. `merge` makes one list of
 // theirs, which `sort` has sorted. `control` ends frames early.
 mod build;
@@ -54,6 +54,7 @@ mod memory;
 mod merge;
 mod output;
 mod pool;
+mod queries;
 mod report;
 mod settings;
 mod sort;
@@ -64,6 +65,7 @@ pub use build::join;
 pub use memory::MemoryError;
 pub use output::Hit;
 pub use pool::{MAX_WORKERS, Pool};
+pub use queries::Queries;
 pub use rayon;
 pub use report::{Report, Share};
 pub use settings::{Schedule, Settings};

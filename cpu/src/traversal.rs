@@ -4,8 +4,7 @@ use crate::front::{FrontMemory, Start};
 use crate::merge::merge;
 use crate::output::{Item, OutputBuffer, Storage, Visitor};
 use crate::workers::Workers;
-use crate::{Hit, MemoryError, Pool, Report};
-use pfront_core::bvtt::Query;
+use crate::{Hit, MemoryError, Pool, Queries, Report};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -90,9 +89,9 @@ impl Traversal {
     ///
     /// # Errors
     /// [`MemoryError`] if they, or the front that divides the frame, do not fit into memory; `out` is empty then.
-    pub fn all<Q: Query + Sync, T: Item>(
+    pub fn all<Q: Queries + ?Sized, T: Item>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         out: &mut Vec<T>,
     ) -> Result<(), MemoryError> {
         let mut lists = std::mem::take(T::storage(&mut self.storage));
@@ -116,7 +115,7 @@ impl Traversal {
     ///
     /// # Errors
     /// [`MemoryError`] if there is no memory for the front that divides the frame.
-    pub fn count<Q: Query + Sync>(&mut self, queries: &[Q]) -> Result<u64, MemoryError> {
+    pub fn count<Q: Queries + ?Sized>(&mut self, queries: &Q) -> Result<u64, MemoryError> {
         let mut counts = Vec::new();
         self.run(queries, false, &mut counts, || 0)?;
         Ok(counts.into_iter().sum())
@@ -127,7 +126,7 @@ impl Traversal {
     ///
     /// # Errors
     /// As [`Traversal::count`].
-    pub fn any<Q: Query + Sync>(&mut self, queries: &[Q]) -> Result<Option<Hit>, MemoryError> {
+    pub fn any<Q: Queries + ?Sized>(&mut self, queries: &Q) -> Result<Option<Hit>, MemoryError> {
         let mut found = Vec::new();
         self.run(queries, true, &mut found, || None)?;
         Ok(found.into_iter().flatten().min())
@@ -139,9 +138,9 @@ impl Traversal {
     ///
     /// # Errors
     /// As [`Traversal::count`]; some pairs may have been visited.
-    pub fn visit<Q: Query + Sync>(
+    pub fn visit<Q: Queries + ?Sized>(
         &mut self,
-        queries: &[Q],
+        queries: &Q,
         visit: impl Fn(Hit) -> ControlFlow<()> + Sync,
     ) -> Result<ControlFlow<()>, MemoryError> {
         let complete = self.run(queries, false, &mut Vec::new(), || Visitor::new(&visit))?;

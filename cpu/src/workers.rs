@@ -17,8 +17,8 @@ use crate::control::Control;
 use crate::memory::{push, reserve};
 use crate::output::Output;
 use crate::pool::spawn;
-use crate::{MemoryError, Pool, Share};
-use pfront_core::bvtt::{Cursor, Query, Work};
+use crate::{MemoryError, Pool, Queries, Share};
+use pfront_core::bvtt::{Cursor, NodePair, Query, Work};
 use pfront_core::environment::{Environment, with_default};
 use pfront_core::front::FrontNode;
 use rayon::Scope;
@@ -87,8 +87,8 @@ impl Tally {
 }
 
 /// A frame whose front has been partitioned, as all threads see it.
-pub(crate) struct DividedFrame<'f, Q> {
-    pub(crate) queries: &'f [Q],
+pub(crate) struct DividedFrame<'f, Q: ?Sized> {
+    pub(crate) queries: &'f Q,
     pub(crate) nodes: &'f [FrontNode],
     /// Tests between two looks at whether a thread has nothing to do; `None` under a static schedule.
     pub(crate) slice: Option<u64>,
@@ -103,7 +103,7 @@ impl Workers {
     ///
     /// # Errors
     /// [`MemoryError`] if there is no room for the parts, of which there are as many as `shares`.
-    pub(crate) fn traverse<Q: Query + Sync, O: Output>(
+    pub(crate) fn traverse<Q: Queries + ?Sized, O: Output>(
         &mut self,
         frame: &DividedFrame<'_, Q>,
         pool: &Pool,
@@ -167,7 +167,7 @@ impl Workers {
 }
 
 /// A traversal under way.
-struct FrameRun<'r, Q, O> {
+struct FrameRun<'r, Q: ?Sized, O> {
     workers: &'r Workers,
     frame: &'r DividedFrame<'r, Q>,
     called: Instant,
@@ -187,7 +187,7 @@ struct OutputSlot<'r, O> {
     worker: usize,
 }
 
-impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
+impl<'r, Q: Queries + ?Sized, O: Output> FrameRun<'r, Q, O> {
     /// Takes parts of which none is begun, and after the last nodes of any part, on a thread whose own floating-point
     /// environment is this one.
     fn take_parts<'s>(
@@ -236,28 +236,32 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
         while let Some(position) = part.next(from_back)
             && !self.frame.control.is_over()
         {
-            let cursor = Cursor::at(self.frame.nodes[position as usize].pair);
-            self.traverse_from(position, cursor, slot, scope);
+            self.traverse_from(position, None, slot, scope);
         }
     }
 
-    /// Traverses what is left of a cursor below the node at a position, and gives parts of it away.
+    /// Traverses from the node at a position, or what is left of a cursor below it, and gives parts of it away.
     fn traverse_from<'s>(
         &'s self,
         position: u32,
-        mut cursor: Cursor,
+        cursor: Option<Cursor>,
         slot: &mut OutputSlot<'r, O>,
         scope: &Scope<'s>,
     ) where
         'r: 's,
     {
         let DividedFrame { queries, nodes, slice, control, .. } = *self.frame;
-        let number = nodes[position as usize].query;
+        let FrontNode { query: number, pair, .. } = nodes[position as usize];
+        let query = queries.query(number);
+        let begin = || match pair == NodePair::default() {
+            true => query.start(),
+            false => Cursor::at(pair),
+        };
+        let mut cursor = cursor.unwrap_or_else(begin);
         let is_wanted = || slice.is_some() && self.idle.load(Relaxed) > 0;
         while !cursor.is_done() && !control.is_over() {
             let most = slice.map_or(u64::MAX, |slice| cursor.work.tests().saturating_add(slice));
-            let query = &queries[number as usize];
-            control.traverse(query, number, &mut cursor, slot.output, most, &is_wanted);
+            control.traverse(&query, number, &mut cursor, slot.output, most, &is_wanted);
             if is_wanted() {
                 self.give(position, &mut cursor, scope);
             }
@@ -287,7 +291,7 @@ impl<'r, Q: Query + Sync, O: Output> FrameRun<'r, Q, O> {
             Some(given) => spawn(scope, move |scope, environment| {
                 let clock = Instant::now();
                 slot.output.begin(environment);
-                self.traverse_from(position, given, &mut slot, scope);
+                self.traverse_from(position, Some(given), &mut slot, scope);
                 self.leave(slot, clock);
             }),
             None => self.put(slot),

@@ -144,20 +144,22 @@ impl<N: Copy + Ord> CpuHistory<N> {
         (Backend::Sequential, answer.map(|answer| answer.with(verb, list)))
     }
 
-    /// The same about many subjects, given in the order of their names: in turn on the calling thread, together on several.
-    pub(crate) fn ask_many<'q, F: Named<Name = N>>(
+    /// The same about many subjects, given in the order of their names, each of which has a tree that is not empty: in turn on
+    /// the calling thread, together on several.
+    pub(crate) fn ask_many<'q, F: Named<Name = N>, S: Copy + Sync>(
         &mut self,
-        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        subjects: impl Iterator<Item = (N, S)>,
+        tree: impl Fn(&S) -> AnyBvtt<'q> + Sync,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
         list.clear();
         if let Some(threads) = &mut self.threads {
-            return threads.ask_many(trees, verb, list);
+            return threads.ask_many(subjects, tree, verb, list);
         }
         let mut whole = Answer::counted(0);
-        for (name, tree) in trees {
-            match on_one_thread((name, &tree), verb, self.cancel.as_deref(), list) {
+        for (name, subject) in subjects {
+            match on_one_thread((name, &tree(&subject)), verb, self.cancel.as_deref(), list) {
                 Ok(answer) => whole = whole.and(answer),
                 Err(error) => return (Backend::Sequential, Err(error)),
             }

@@ -52,7 +52,7 @@
 // 1. `scene/mod.rs` has `scene/broad.rs` find the bodies whose boxes overlap, and makes a frame (`scene/frame.rs`) of the pairs that
 //    have changed (`scene/pairs.rs`).
 // 2. `History::ask` in `history.rs` chooses the executor, and calls the frame back with what the query remembers of it.
-// 3. `CpuHistory::ask_many` in `cpu.rs` asks on the calling thread; with threads, `threads.rs` hands batches of trees to a
+// 3. `CpuHistory::ask_many` in `cpu.rs` asks on the calling thread; with threads, `threads.rs` hands batches of pairs to a
 //    `pfront_cpu::Traversal`, `cpu/src/traversal.rs`, by the names of which it remembers their costs.
 // 4. `Traversal::run` in `cpu/src/frame.rs` begins alone and divides what is left: `cpu/src/front.rs` makes and partitions the
 //    front, by `core/src/front`, whose costs it remembers, and `cpu/src/workers.rs` has each thread traverse its part.

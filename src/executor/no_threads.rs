@@ -83,9 +83,10 @@ impl<N> NoHistory<N> {
         match self.0 {}
     }
 
-    pub(super) fn ask_many<'q, F: Named<Name = N>>(
+    pub(super) fn ask_many<'q, F: Named<Name = N>, S>(
         &mut self,
-        _: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        _: impl Iterator<Item = (N, S)>,
+        _: impl Fn(&S) -> AnyBvtt<'q>,
         _: Verb,
         _: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {

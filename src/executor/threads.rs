@@ -5,9 +5,10 @@ use crate::Error;
 use crate::memory::{extend, push, reserve};
 pub(super) use crate::threads::Pool;
 use crate::threads::rayon::{Yield, yield_now};
-use crate::threads::{Hit, MemoryError, Report, Schedule, Traversal};
+use crate::threads::{Hit, MemoryError, Queries, Report, Schedule, Traversal};
 use crate::{Distance, TrianglePair};
-use pfront_core::bvtt::{AnyBvtt, Gap, PairBvtt};
+use pfront_core::bvtt::{AnyBvtt, Gap, NodePair, PairBvtt};
+use pfront_core::front::STARTING_NODES;
 use std::mem::take;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -68,21 +69,45 @@ pub(super) fn all() -> Option<Pool> {
     Executor::from(Pool::default()).pool
 }
 
-/// The most trees that are asked at once. Each takes some 1,300 bytes with its node of the front, so that all of them take
-/// 85 MiB at most, however many pairs a frame has.
-const BATCH: usize = 1 << 16;
+/// The most subjects that are asked about at once. Each takes some 200 bytes with its node of the front, so that all of them take
+/// 50 MiB at most, however many pairs a frame has.
+const BATCH: usize = 1 << 18;
 
 /// A query on the threads of a pool.
 #[derive(Clone, Debug)]
 pub(super) struct ThreadsHistory<N> {
     pub(super) traversal: Traversal,
-    /// The names of the trees of the last batch, by whose numbers the traversal remembers what each cost.
+    /// The names of the subjects of the last batch, by whose numbers the traversal remembers what each cost.
     asked: Vec<N>,
-    /// The names of the trees of this batch.
+    /// The names of the subjects of this batch.
     asking: Vec<N>,
-    /// Empty, to use its memory again.
-    trees: Vec<AnyBvtt<'static>>,
     numbered: Vec<Hit>,
+}
+
+/// The trees of subjects, each made by the thread that traverses it.
+struct Trees<'t, S, T> {
+    subjects: &'t [S],
+    tree: &'t T,
+}
+
+impl<'q, S: Sync, T: Fn(&S) -> AnyBvtt<'q> + Sync> Queries for Trees<'_, S, T> {
+    type Query<'t>
+        = AnyBvtt<'q>
+    where
+        Self: 't;
+
+    fn len(&self) -> usize {
+        self.subjects.len()
+    }
+
+    fn query(&self, number: u32) -> AnyBvtt<'q> {
+        (self.tree)(&self.subjects[number as usize])
+    }
+
+    /// None of them is empty, and most roots overlap.
+    fn root(&self, _: u32) -> Option<NodePair> {
+        Some(NodePair::default())
+    }
 }
 
 /// Every verb, about some trees by their names, on the threads at once. Pairs are added to the list, which is empty where its items
@@ -90,7 +115,7 @@ pub(super) struct ThreadsHistory<N> {
 fn ask_batch<F: Named>(
     traversal: &mut Traversal,
     names: &[F::Name],
-    trees: &[AnyBvtt<'_>],
+    trees: &(impl Queries + ?Sized),
     verb: Verb,
     numbered: &mut Vec<Hit>,
     list: &mut Vec<F>,
@@ -123,8 +148,7 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
     pub(super) fn new(pool: &Pool, cancel: Option<Arc<AtomicBool>>) -> Self {
         let mut traversal = Traversal::new(pool);
         traversal.cancel = cancel;
-        let (asked, asking, trees) = (Vec::new(), Vec::new(), Vec::new());
-        Self { traversal, asked, asking, trees, numbered: Vec::new() }
+        Self { traversal, asked: Vec::new(), asking: Vec::new(), numbered: Vec::new() }
     }
 
     /// Whether the last frame ended within its first few hundred tests, which the traversal does not time either.
@@ -161,13 +185,14 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
     }
 
     /// [`CpuHistory::ask_many`](super::CpuHistory::ask_many).
-    pub(super) fn ask_many<'q, F: Named<Name = N>>(
+    pub(super) fn ask_many<'q, F: Named<Name = N>, S: Copy + Sync>(
         &mut self,
-        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        subjects: impl Iterator<Item = (N, S)>,
+        tree: impl Fn(&S) -> AnyBvtt<'q> + Sync,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> (Backend, Result<Answer<F>, Error>) {
-        self.reported(|own| Ok(own.ask_trees(trees, verb, list)?.with(verb, list)))
+        self.reported(|own| Ok(own.ask_subjects(subjects, tree, verb, list)?.with(verb, list)))
     }
 
     /// Runs a question, and tells which part of the CPU answered.
@@ -185,70 +210,81 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         (part, answer.and_then(unless_cancelled))
     }
 
-    fn ask_trees<'q, F: Named<Name = N>>(
+    fn ask_subjects<'q, F: Named<Name = N>, S: Copy + Sync>(
         &mut self,
-        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
+        subjects: impl Iterator<Item = (N, S)>,
+        tree: impl Fn(&S) -> AnyBvtt<'q> + Sync,
         verb: Verb,
         list: &mut Vec<F>,
     ) -> Result<Answer<F>, Error> {
         let (mut whole, mut numbered) = (Answer::counted(0), take(&mut self.numbered));
-        let mut ask_some = |traversal: &mut Traversal, names: &[N], trees: &[AnyBvtt<'_>]| {
-            whole = whole.and(ask_batch(traversal, names, trees, verb, &mut numbered, list)?);
+        // A front divides the roots of so few, so that each tree would be made several times.
+        let mut few = Vec::new();
+        let mut ask_some = |traversal: &mut Traversal, names: &[N], subjects: &[S]| {
+            let answer = if subjects.len() < STARTING_NODES {
+                few.clear();
+                reserve(&mut few, subjects.len())?;
+                few.extend(subjects.iter().map(&tree));
+                ask_batch(traversal, names, &few, verb, &mut numbered, list)?
+            } else {
+                let trees = &Trees { subjects, tree: &tree };
+                ask_batch(traversal, names, trees, verb, &mut numbered, list)?
+            };
+            whole = whole.and(answer);
             Ok(whole.first.is_some())
         };
         match verb {
-            Verb::Any => self.each_until_found(trees, &mut ask_some)?,
-            Verb::All | Verb::Count => self.each_batch(trees, &mut ask_some)?,
+            Verb::Any => self.each_until_found(subjects, &mut ask_some)?,
+            Verb::All | Verb::Count => self.each_batch(subjects, &mut ask_some)?,
         }
         self.numbered = numbered;
         Ok(whole)
     }
 
-    /// Asks about trees, of which nothing is remembered, until one is found that has a pair.
-    fn each_until_found<'q>(
+    /// Asks about subjects, of which nothing is remembered, until one is found that has a pair.
+    fn each_until_found<S>(
         &mut self,
-        mut rest: impl Iterator<Item = (N, AnyBvtt<'q>)>,
-        ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
+        mut rest: impl Iterator<Item = (N, S)>,
+        ask: &mut impl FnMut(&mut Traversal, &[N], &[S]) -> Result<bool, Error>,
     ) -> Result<(), Error> {
-        let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
+        let mut batch = Vec::new();
         // Batches grow, so that not much more is prepared than is asked.
         let (mut is_over, mut size) = (false, 1);
         while !is_over && !self.traversal.report.cancelled {
             self.asking.clear();
-            for (name, tree) in rest.by_ref().take(size) {
+            for (name, subject) in rest.by_ref().take(size) {
                 push(&mut self.asking, name)?;
-                push(&mut batch, tree)?;
+                push(&mut batch, subject)?;
             }
             is_over = batch.is_empty() || ask(&mut self.traversal, &self.asking, &batch)?;
             batch.clear();
             size = (4 * size).min(BATCH);
         }
-        self.trees = emptied(batch);
         Ok(())
     }
 
-    /// Asks about trees in batches of at most [`BATCH`], until the flag is set. The report of the traversal is
+    /// Asks about subjects in batches of at most [`BATCH`], until the flag is set. The report of the traversal is
     /// then that of all batches together.
-    fn each_batch<'q>(
+    fn each_batch<S>(
         &mut self,
-        trees: impl Iterator<Item = (N, AnyBvtt<'q>)>,
-        ask: &mut impl FnMut(&mut Traversal, &[N], &[AnyBvtt<'_>]) -> Result<bool, Error>,
+        subjects: impl Iterator<Item = (N, S)>,
+        ask: &mut impl FnMut(&mut Traversal, &[N], &[S]) -> Result<bool, Error>,
     ) -> Result<(), Error> {
-        let mut batch: Vec<AnyBvtt<'_>> = take(&mut self.trees);
-        let mut rest = trees.peekable();
+        let mut batch = Vec::new();
+        let mut rest = subjects.peekable();
         let mut before: Option<Report> = None;
         let mut is_divided = false;
         loop {
             self.asking.clear();
-            for (name, tree) in rest.by_ref().take(BATCH) {
+            for (name, subject) in rest.by_ref().take(BATCH) {
                 push(&mut self.asking, name)?;
-                push(&mut batch, tree)?;
+                push(&mut batch, subject)?;
             }
             let is_last = rest.peek().is_none();
             if before.is_none() && is_last {
                 self.renumber()?;
             } else {
-                // The costs of other trees tell nothing of these.
+                // The costs of other subjects tell nothing of these.
                 is_divided = true;
                 self.traversal.forget();
                 std::mem::swap(&mut self.asked, &mut self.asking);
@@ -268,7 +304,6 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
             // The next frame resembles all batches together, of which nothing is remembered.
             self.traversal.forget();
         }
-        self.trees = emptied(batch);
         Ok(())
     }
 
@@ -290,9 +325,4 @@ impl<N: Copy + Ord> ThreadsHistory<N> {
         std::mem::swap(&mut self.asked, &mut self.asking);
         Ok(())
     }
-}
-
-/// An empty vector of one lifetime becomes one of another, in place.
-fn emptied(trees: Vec<AnyBvtt<'_>>) -> Vec<AnyBvtt<'static>> {
-    trees.into_iter().map_while(|_| None).collect()
 }

@@ -4,7 +4,7 @@ use super::cache::merge;
 use super::device::DeviceScene;
 use super::hit::SceneHit;
 use super::id::BodyId;
-use super::pairs::BodyPairs;
+use super::pairs::{BodyPairs, TwoBodies};
 use crate::executor::{Answer, Backend, CpuHistory, Device, Frame, Named, Verb};
 use crate::{Error, TrianglePair};
 
@@ -41,7 +41,7 @@ impl Frame for SceneFrame<'_> {
         cpu: &mut CpuHistory<[BodyId; 2]>,
         verb: Verb,
     ) -> (Backend, Result<Answer<SceneHit>, Error>) {
-        cpu.ask_many(self.pairs.queries(), verb, self.hits)
+        cpu.ask_many(self.pairs.bodies(), TwoBodies::tree, verb, self.hits)
     }
 
     fn is_for_cpu(&self) -> bool {

@@ -55,7 +55,7 @@ use std::ops::ControlFlow;
 /// # Threads
 /// On [`Executor::threads`] all pairs of bodies that have to be asked are one frame, which, if it is worth several
 /// threads, is divided among the workers by one front under one bound (Zhang & Kim 2014, eq. 5). The cost of a pair of bodies is
-/// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
+/// remembered from one frame to the next in which it is asked. More pairs than 262,144 are asked in batches of as
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
 /// # GPU
@@ -360,7 +360,7 @@ impl SceneQuery {
             let cancel = self.history.executor().cancel_flag();
             let mut kept = self.hits.still_true(&self.bodies).peekable();
             let candidates = BodyPairs::since(since, &self.bodies, &self.broad);
-            for (bodies, query) in candidates.queries() {
+            for (bodies, two) in candidates.bodies() {
                 let mut end = ControlFlow::Continue(());
                 while end.is_continue()
                     && let Some(of_two) = kept.next_if(|of_two| of_two[0].bodies < bodies)
@@ -368,7 +368,7 @@ impl SceneQuery {
                     end = of_two.iter().try_for_each(|&hit| tell(hit));
                 }
                 if end.is_continue() {
-                    search(&query, cancel, |pair| {
+                    search(&two.tree(), cancel, |pair| {
                         end = tell(SceneHit { bodies, pair });
                         end
                     })?;

@@ -44,17 +44,37 @@ impl<'s> BodyPairs<'s> {
         pairs.iter().copied().filter(changed).filter(is_asked)
     }
 
-    /// The same as queries.
-    pub(super) fn queries(&self) -> impl Iterator<Item = ([BodyId; 2], AnyBvtt<'s>)> {
+    /// The bodies themselves, by their ids.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = ([BodyId; 2], TwoBodies<'s>)> {
         let own = *self;
-        self.pairs().filter_map(move |places| own.query(places))
+        self.pairs().filter_map(move |places| own.at(places))
+    }
+
+    /// Two bodies by their places.
+    fn at(&self, places: Places) -> Option<([BodyId; 2], TwoBodies<'s>)> {
+        // Always there: the places are those of this frame.
+        let [Some(a), Some(b)] = places.map(|place| self.bodies.at(place)) else { return None };
+        Some(([a.id(), b.id()], TwoBodies { bodies: [a, b], within: self.bodies.within }))
     }
 
     /// The query about two bodies by their places.
-    pub(super) fn query(&self, [a, b]: Places) -> Option<([BodyId; 2], AnyBvtt<'s>)> {
-        // Always there: the places are those of this frame.
-        let (a, b) = (self.bodies.at(a)?, self.bodies.at(b)?);
-        Some(([a.id(), b.id()], tree(a, b, self.bodies.within)))
+    pub(super) fn query(&self, places: Places) -> Option<([BodyId; 2], AnyBvtt<'s>)> {
+        self.at(places).map(|(ids, two)| (ids, two.tree()))
+    }
+}
+
+/// Two bodies, or one twice, that are asked about.
+#[derive(Clone, Copy)]
+pub(super) struct TwoBodies<'s> {
+    bodies: [&'s Body; 2],
+    within: Distance,
+}
+
+impl<'s> TwoBodies<'s> {
+    /// Their BVTT.
+    pub(super) fn tree(&self) -> AnyBvtt<'s> {
+        let Self { bodies: [a, b], within } = *self;
+        tree(a, b, within)
     }
 }
 

@@ -69,7 +69,7 @@ mod tests;
 pub use estimate::estimate;
 pub use node::FrontNode;
 pub use partition::Part;
-pub use refine::{FrontReport, RefineOptions};
+pub use refine::{FrontReport, RefineOptions, STARTING_NODES};
 
 use crate::CapacityError;
 use crate::bvtt::NodePair;

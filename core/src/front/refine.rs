@@ -12,7 +12,7 @@ use crate::sort::sort;
 
 /// The starting front is the first level of the BVTT with this many overlapping nodes, or the last. A policy: estimates tell little
 /// of fewer, and a small frame has no use for more.
-const STARTING_NODES: usize = 32;
+pub const STARTING_NODES: usize = 32;
 
 /// The least share of the last frame's cost that must lie in nodes that overlap again for its costs to be used. A
 /// policy: most of it.
