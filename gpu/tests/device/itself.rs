@@ -76,12 +76,12 @@ fn pairs_of_every_family_that_share_indices() {
     let mut query = GpuQuery::new(gpu()).unwrap();
     for (f, leaf_size) in Family::ALL.into_iter().zip([2, 8].into_iter().cycle()) {
         let mut soup = MeshData::default();
-        for _ in 0..200 {
+        for _ in 0..100 {
             let (positions, a, b) = f.indexed(&mut rng);
             let first = soup.positions.len() as u32;
             soup.positions.extend(positions);
             soup.triangles.extend([a, b].map(|t| t.map(|v| v + first)));
         }
-        check(&mut query, &both(&union(&[soup, family(f, 40, &mut rng)]), leaf_size));
+        check(&mut query, &both(&union(&[soup, family(f, 28, &mut rng)]), leaf_size));
     }
 }

@@ -125,7 +125,7 @@ fn hard_cases(gpu: &Gpu, families: &[Family], seed: u64) {
     let mut rng = seeded(seed);
     let mut world = World::new(gpu, gpu.settings()).unwrap();
     for (number, &f) in families.iter().enumerate() {
-        let parts = [0; 2].map(|_| part(&family(f, 40, &mut rng)));
+        let parts = [0; 2].map(|_| part(&family(f, 28, &mut rng)));
         let bodies = [0, 1, 0].map(|i| (&parts[i], Pose::IDENTITY)).to_vec();
         let mut scene = Scene::new(world, bodies);
         scene.check();
