@@ -210,7 +210,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     fn impact_of(&self, pair: TrianglePair, [p, q]: [&Leaf; 2], first: f64) -> Option<Impact> {
         let found = match self.indices(pair).filter(|&indices| share_a_vertex(indices)) {
             // Lanes have tried what separates most pairs.
-            None if self.start.error_of_lanes().is_none() => {
+            None if self.errors().is_none() => {
                 let moving = MovingPair::new(&p.corners, &q.corners);
                 impact_in_steps(&p.corners, &q.corners, &moving)
             }
@@ -225,6 +225,15 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         // Nearness may come before the boxes overlap, and would then depend on which of them are visited.
         let Impact { from, to } = found?;
         Some(Impact { from: from.max(first.min(to)), to })
+    }
+
+    /// The errors of corners in lanes at the start and at the end, if one of them is in f64.
+    #[inline(always)]
+    fn errors(&self) -> Option<[[f32; 3]; 2]> {
+        match [&self.start, &self.end].map(Bvtt::error_of_lanes) {
+            [None, None] => None,
+            errors => Some(errors.map(Option::unwrap_or_default)),
+        }
     }
 
     /// The vertices of two triangles of one mesh.
@@ -325,7 +334,7 @@ impl<const SELF: bool> MovingTraversal<'_, '_, '_, SELF> {
         let a = blocks_a.get::<S, SELF>(n.a, 0, [start, end]);
         let b = blocks_b.get::<S, SELF>(n.b, 1, [start, end]);
         let allowed = if SELF && n.a == n.b { BEFORE } else { u64::MAX };
-        let errors = start.error_of_lanes().zip(end.error_of_lanes()).map(|(p, q)| [p, q]);
+        let errors = self.query.errors();
         let pairs = a.cull::<S, SELF>(b, allowed, start.adjacency(), errors);
         self.work.triangle_tests += u64::from(pairs.overlapping.count_ones());
         let alone = if errors.is_some() { pairs.open } else { pairs.may_share_vertex };
