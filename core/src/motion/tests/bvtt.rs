@@ -5,6 +5,7 @@ extern crate std;
 use super::rounds;
 use crate::bvh::{BuildOptions, BvhStorage, Refit, morton, node_bound, refit};
 use crate::bvtt::{NodePair, PairBvtt, PosedBvh, SelfBvtt, TrianglePair, Work};
+use crate::motion::common_time::first_overlap;
 use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Aabb, Bvh, Mesh, Node, Pose, Pose64};
@@ -125,7 +126,10 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     }
     let (mut parts, mut best, mut work) = (Vec::new(), None, Work::default());
     for n in front {
-        best = query.first_impact_below(n, &mut Work::default(), best);
+        let limit = best.map_or(f64::INFINITY, |(_, impact): Hit| impact.from);
+        let found = query.first_impact_below(n, &mut Work::default(), limit);
+        let key = |(pair, impact): &Hit| (impact.from, *pair);
+        best = best.into_iter().chain(found).min_by(|p, q| key(p).partial_cmp(&key(q)).unwrap());
         let _ = query.visit_below(n, &mut work, |pair, impact| {
             parts.push((pair, impact));
             ControlFlow::Continue(())
@@ -134,6 +138,37 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     parts.sort_by_key(|hit| hit.0);
     assert_eq!(parts, every);
     assert_eq!(best.as_ref(), first);
+    let overlap = query.first_overlap();
+    assert!(first.is_none_or(|(_, impact)| overlap.is_some_and(|time| time <= impact.from)));
+}
+
+/// All boxes of triangles that overlap at a time, and when first.
+#[test]
+fn boxes_only_as_every_pair() {
+    let mut rng = seeded(64);
+    let mut hits = 0;
+    for round in 0..rounds().min(200) {
+        let start = Soup::new(&mut rng, 1 + round % 50, 0.1);
+        let by = [0.0, 0.05, 1.0][rng.random_range(0..3_usize)];
+        let end =
+            start.moved(|p| p.map(|x| if by > 0.0 { x + rng.random_range(-by..by) } else { x }));
+        let query =
+            SelfBvtt::moving(MovingBvh::new(at_rest(&start), at_rest(&end)).unwrap()).boxes_only();
+        let mut every = Vec::new();
+        for a in 0..start.triangles.len() as u32 {
+            for b in a + 1..start.triangles.len() as u32 {
+                let bounds =
+                    |soup: &Soup, triangle| leaf(&soup.mesh().shadow_triangle(triangle)).bounds();
+                let [start, end] = [&start, &end].map(|soup| [bounds(soup, a), bounds(soup, b)]);
+                let first = first_overlap(&start, &end);
+                let impact = first.map(|from| Impact { from, to: f64::INFINITY });
+                every.extend(impact.map(|impact| (TrianglePair { a, b }, impact)));
+            }
+        }
+        hits += every.len();
+        check(&query, &every);
+    }
+    assert!(cfg!(miri) || hits > 500, "{hits}");
 }
 
 #[test]
