@@ -35,6 +35,12 @@ pub enum Error {
         /// The body asked for.
         id: BodyId,
     },
+    /// A body is given more than one end of a motion.
+    #[error("{id} is given two ends of its motion")]
+    TwoEnds {
+        /// The first such body.
+        id: BodyId,
+    },
     /// A question of a batch that asks for distances is about a model and itself.
     #[error(
         "question {question} of the batch is about a model and itself, between which there is no distance"

@@ -1,13 +1,10 @@
 //! Impacts of models that move: which triangles meet on the way, and when first, by the CPU of an executor.
 
 use crate::environment::with_default;
-use crate::executor::{Backend, CpuPart, History, check};
-use crate::memory::push;
-use crate::{Error, Motion, PairQuery, SelfQuery, TrianglePair};
-use pfront_core::bvtt::{NodePair, PairBvtt, SelfBvtt, Work};
-use pfront_core::motion::{Impact, MovingBvtt};
-use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use crate::executor::History;
+use crate::executor::impacts::{self, AnyMovingBvtt, MovingSubject};
+use crate::{Error, Impact, Motion, PairQuery, SelfQuery, TrianglePair};
+use pfront_core::bvtt::{PairBvtt, SelfBvtt};
 
 impl PairQuery {
     /// All pairs of triangles of two models that meet while both move, sorted, each with when they first do: they do not meet before `from`, and
@@ -32,7 +29,7 @@ impl PairQuery {
         b: &Motion<'_>,
     ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
         let history = self.query.history();
-        with_default(|| impacts(history, &PairBvtt::moving(a.bvh(), b.bvh())))
+        with_default(|| all(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
     }
 
     /// The pair of triangles that meets first, by `from` and then by the pair, and when, if any does.
@@ -48,7 +45,7 @@ impl PairQuery {
         b: &Motion<'_>,
     ) -> Result<Option<(TrianglePair, Impact)>, Error> {
         let history = self.query.history();
-        with_default(|| first_impact(history, &PairBvtt::moving(a.bvh(), b.bvh())))
+        with_default(|| first(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
     }
 }
 
@@ -64,7 +61,8 @@ impl SelfQuery {
     pub fn impacts(&mut self, motion: &Motion<'_>) -> Result<Vec<(TrianglePair, Impact)>, Error> {
         let adjacency = self.adjacency();
         let history = self.history();
-        with_default(|| impacts(history, &SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency)))
+        let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency);
+        with_default(|| all(history, AnyMovingBvtt::Itself(tree())))
     }
 
     /// The pair of triangles of one model that meets first while it deforms.
@@ -77,114 +75,31 @@ impl SelfQuery {
     ) -> Result<Option<(TrianglePair, Impact)>, Error> {
         let adjacency = self.adjacency();
         let history = self.history();
-        with_default(|| {
-            first_impact(history, &SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency))
-        })
+        let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency);
+        with_default(|| first(history, AnyMovingBvtt::Itself(tree())))
     }
 }
 
-/// Node pairs of a front: enough for every thread, and each below a millisecond of work even where meshes are large.
-const FRONT: usize = 4096;
-
-/// Node pairs that are worth a call of another thread.
-const LEAST: usize = 16;
-
-fn impacts<const SELF: bool>(
+/// All pairs of one subject, sorted.
+fn all(
     history: &mut History<()>,
-    tree: &MovingBvtt<'_, SELF>,
+    tree: AnyMovingBvtt<'_>,
 ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
-    let (part, mut all) = (CpuPart::new(), Vec::new());
-    let listed = {
-        let flag = history.executor().cancel_flag();
-        let list = |front: &[NodePair], out: &mut Vec<(TrianglePair, Impact)>| {
-            part.works();
-            for &n in front {
-                check(flag)?;
-                let mut failure = Ok(());
-                let _ = tree.visit_below(n, &mut Work::default(), |pair, impact| {
-                    failure = push(out, (pair, impact));
-                    if failure.is_err() {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                });
-                failure?;
-            }
-            Ok(())
-        };
-        history.by_pieces(&front(tree)?, LEAST, list, &mut all)
-    };
-    history.note_cpu(part.backend());
-    listed?;
+    let mut all = Vec::new();
+    impacts::impacts(history, subject(&tree).as_slice(), |()| Some(((), tree)), &mut all)?;
     all.sort_unstable_by_key(|hit| hit.0);
     Ok(all)
 }
 
-fn first_impact<const SELF: bool>(
+/// The first pair of one subject.
+fn first(
     history: &mut History<()>,
-    tree: &MovingBvtt<'_, SELF>,
+    tree: AnyMovingBvtt<'_>,
 ) -> Result<Option<(TrianglePair, Impact)>, Error> {
-    let executor = history.executor();
-    if executor.pool.is_none() && executor.cancel_flag().is_none() {
-        history.note_cpu(Backend::Sequential);
-        return Ok(tree.first_impact());
-    }
-    let (part, best) = (CpuPart::new(), Mutex::new(None));
-    let known = || best.lock().unwrap_or_else(PoisonError::into_inner);
-    let listed = {
-        let flag = history.executor().cancel_flag();
-        let list = |front: &[NodePair], _: &mut Vec<()>| {
-            part.works();
-            for &n in front {
-                check(flag)?;
-                let before = *known();
-                let found = tree.first_impact_below(n, &mut Work::default(), before);
-                let mut best = known();
-                *best = earlier(*best, found);
-            }
-            Ok(())
-        };
-        history.by_pieces(&front(tree)?, LEAST, list, &mut Vec::new())
-    };
-    history.note_cpu(part.backend());
-    listed?;
-    Ok(best.into_inner().unwrap_or_else(PoisonError::into_inner))
+    impacts::first_impact(history, subject(&tree).as_slice(), |()| Some(((), tree)), None)
 }
 
-/// The first of two, by time and then by the pair.
-fn earlier(
-    p: Option<(TrianglePair, Impact)>,
-    q: Option<(TrianglePair, Impact)>,
-) -> Option<(TrianglePair, Impact)> {
-    let is_first =
-        |p: &(TrianglePair, Impact), q: &(TrianglePair, Impact)| (p.1.from, p.0) <= (q.1.from, q.0);
-    match (p, q) {
-        (Some(p), Some(q)) => Some(if is_first(&p, &q) { p } else { q }),
-        (p, q) => p.or(q),
-    }
-}
-
-/// A cut of the tree of about [`FRONT`] node pairs, level by level.
-fn front<const SELF: bool>(tree: &MovingBvtt<'_, SELF>) -> Result<Vec<NodePair>, Error> {
-    let mut front = Vec::from_iter(tree.root());
-    loop {
-        let (mut next, mut failure, mut is_over) = (Vec::new(), Ok(()), true);
-        for &n in &front {
-            let mut add = |n| {
-                if failure.is_ok() {
-                    failure = push(&mut next, n);
-                }
-            };
-            match tree.children(n, &mut add) {
-                0 => add(n),
-                _ => is_over = false,
-            }
-        }
-        failure?;
-        front = next;
-        if is_over || front.len() >= FRONT {
-            return Ok(front);
-        }
-    }
+/// The only subject, if its boxes overlap at a time.
+fn subject(tree: &AnyMovingBvtt<'_>) -> Option<MovingSubject<()>> {
+    tree.first_overlap().map(|from| MovingSubject { from, subject: () })
 }

@@ -34,7 +34,7 @@ fn functions(paths: &[&str]) -> BTreeSet<String> {
 }
 
 /// The files of all queries.
-const QUERIES: [&str; 10] = [
+const QUERIES: [&str; 11] = [
     "src/pair.rs",
     "src/relation.rs",
     "src/itself.rs",
@@ -43,6 +43,7 @@ const QUERIES: [&str; 10] = [
     "src/scene/edit.rs",
     "src/scene/nearest.rs",
     "src/scene/check.rs",
+    "src/scene/impacts.rs",
     "src/scene/segment.rs",
     "src/batch/mod.rs",
 ];

@@ -78,6 +78,7 @@ mod gpu;
 #[path = "no_gpu.rs"]
 mod gpu;
 mod history;
+pub(crate) mod impacts;
 mod meeting;
 mod models;
 mod plan;

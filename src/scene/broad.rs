@@ -12,9 +12,10 @@ use crate::executor::{BLOCK, check, visit};
 use crate::memory::{copy, push, reserve};
 use crate::model::ONE_THREAD;
 use crate::sphere::Sphere;
-use crate::{Aabb, BuildOptions, Distance, Error, Model};
-use pfront_core::bvh::MAX_DEPTH;
-use pfront_core::bvtt::SelfBvtt;
+use crate::{Aabb, BuildOptions, Bvh, Distance, Error, Model, Pose, TrianglePair};
+use pfront_core::bvh::{MAX_DEPTH, Refit, refit};
+use pfront_core::bvtt::{PosedBvh, SelfBvtt};
+use pfront_core::motion::MovingBvh;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -185,6 +186,39 @@ impl Broad {
         if let Some(boxes) = &self.boxes {
             overlapping(boxes, aabb, |i| visit(self.places[i]));
         }
+    }
+
+    /// Calls `visit` for each two bodies whose boxes overlap at a time while they move, until it breaks. The boxes at the end are those given, by
+    /// ascending places, and those of now of all other bodies.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    ///
+    /// # Complexity
+    /// O(n + pairs) for n bodies.
+    pub(super) fn while_moving(
+        &self,
+        ends: &[(u32, Option<Aabb>)],
+        mut visit: impl FnMut(Places) -> ControlFlow<()>,
+    ) -> Result<(), Error> {
+        let Some(boxes) = &self.boxes else { return Ok(()) };
+        let mut corners = copy(&self.corners)?;
+        for (place, aabb) in ends {
+            if let (Ok(i), Some(Aabb { min, max })) = (self.places.binary_search(place), *aabb) {
+                corners[2 * i..][..2].copy_from_slice(&[min, max]);
+            }
+        }
+        let start = boxes.bvh();
+        let (mesh, mut nodes) = (start.mesh().with_positions(&corners)?, copy(start.nodes())?);
+        refit(mesh, &mut nodes, start.order(), Refit::default())?;
+        let end = Bvh::new_unchecked(mesh, &nodes, start.order());
+        let [start, end] = [start, end].map(|bvh| PosedBvh::new_unchecked(bvh, &Pose::IDENTITY));
+        let query = SelfBvtt::moving(MovingBvh::new_unchecked(start, end)).boxes_only();
+        let _ = query.visit(|TrianglePair { a, b }, _| {
+            let [a, b] = [a, b].map(|i| self.places[i as usize]);
+            visit([a.min(b), a.max(b)])
+        });
+        Ok(())
     }
 
     /// Pairs with a body that has changed since, if they are a list of their own.

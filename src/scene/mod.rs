@@ -14,6 +14,7 @@ mod edit;
 mod frame;
 mod hit;
 mod id;
+mod impacts;
 mod nearest;
 mod pairs;
 mod report;

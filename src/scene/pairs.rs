@@ -79,7 +79,7 @@ impl<'s> TwoBodies<'s> {
 }
 
 /// The BVTT of two bodies in the world, or of one and itself in its own frame.
-fn tree<'s>(a: &'s Body, b: &'s Body, within: Distance) -> AnyBvtt<'s> {
+pub(super) fn tree<'s>(a: &'s Body, b: &'s Body, within: Distance) -> AnyBvtt<'s> {
     match a.options.itself {
         Some(adjacency) if a.id() == b.id() => itself(&a.model, adjacency, within),
         _ => AnyBvtt::Pair(PairBvtt::in_world(a.placed(), b.placed()).within(within)),

@@ -333,6 +333,13 @@ fn each_verb(named: &mut Named, change: &str, scene: &mut SceneQuery, bodies: &[
             add("distance, distance_below", gaps.to_vec().into());
         }
     }
+    // All but the first move, by a subnormal number and more.
+    let moved = Pose::from_translation([-0.25, f32::from_bits(1), 0.0]);
+    let ends: Vec<_> = scene.bodies().skip(1).map(|body| (body.id(), moved)).collect();
+    let impacts = scene.impacts(&ends).unwrap();
+    let first = scene.first_impact(&ends).unwrap();
+    let without_bodies = impacts.into_iter().chain(first).map(|(hit, impact)| (hit.pair, impact));
+    add("impacts, first_impact", Answer::Impacts(without_bodies.collect()));
     scene.update().unwrap();
     let hits = scene.all().unwrap().iter().map(|hit| (number(hit.bodies), hit.pair));
     add("all", Answer::Hits(hits.collect()));

@@ -1,7 +1,7 @@
 //! No public method is forgotten: each is asked in every environment by these tests, or computes nothing in floats.
 
 /// The sources of what computes, the methods that these tests ask, and those that compute nothing.
-const SURFACE: [(&str, &str, &str, &str); 16] = [
+const SURFACE: [(&str, &str, &str, &str); 17] = [
     (
         "PairQuery",
         include_str!("../../src/pair.rs"),
@@ -35,6 +35,12 @@ const SURFACE: [(&str, &str, &str, &str); 16] = [
     ),
     ("PairQuery's relations", include_str!("../../src/relation.rs"), "relation overlap_volume", ""),
     ("SceneQuery's check", include_str!("../../src/scene/check.rs"), "check", ""),
+    (
+        "SceneQuery's impacts",
+        include_str!("../../src/scene/impacts.rs"),
+        "impacts first_impact",
+        "",
+    ),
     (
         "SceneQuery's segments",
         include_str!("../../src/scene/segment.rs"),

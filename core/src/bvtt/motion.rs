@@ -12,6 +12,18 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         self.a.bvh.root().is_some() && self.b.bvh.root().is_some()
     }
 
+    /// The same with boxes of nodes that contain all those of their triangles, as [`Bvtt::corners_and_box`] has them.
+    pub(crate) fn with_boxes_of_corners(mut self) -> Self {
+        if let Some(error) = self.error() {
+            self.box_poses = self.box_poses.map(|pose| pose.map(|pose| pose.grown(error)));
+        }
+        self
+    }
+
+    pub(crate) fn is_boxes_only(&self) -> bool {
+        SELF && self.boxes_only
+    }
+
     pub(super) fn side(&self, side: usize) -> &PosedBvh<'a> {
         if side == 0 { &self.a } else { &self.b }
     }

@@ -91,17 +91,16 @@ impl Question<'_> {
 
     #[inline(never)]
     fn search<const L: usize>(&self, axes: &[Axis<12>; 3], deepest: u32) -> Verdict {
-        let ends = [0, 6].map(|end| -> Corners<L> {
-            [0, 1, 2, 3, 4, 5]
-                .map(|k| [0, 1, 2].map(|axis: usize| axes[axis].difference(end, end + k)))
-        });
+        let mut ends: [Corners<L>; 2] = [[[Wide::new(0, 0); 3]; 6]; 2];
+        fill(&mut ends, axes);
+        let mut interval = Interval { ends, count: self.count };
         const END: u64 = 1 << DEEPEST;
         let open =
             |time| Verdict::Near { from: rounded_down(time).max(self.from), to: f64::INFINITY };
         let (mut time, mut level, mut growth) = ((self.from * END as f64) as u64, FIRST, 1);
         let mut last = Direction::Normal(Feature::Face { of: 0, corner: 0 });
         for _ in 0..INTERVALS {
-            let interval = Interval::new(&ends, time, level, self.count);
+            interval.cut(&ends, time, level);
             let until = ((time >> (DEEPEST - level)) + 1) << (DEEPEST - level);
             let mut directions = core::iter::once(last).chain(interval.directions());
             if let Some(direction) = directions.find(|&d| interval.is_separated(d)) {
@@ -122,6 +121,18 @@ impl Question<'_> {
             }
         }
         open(time)
+    }
+}
+
+/// The corners at both ends of the motion, from the first of each on.
+#[inline(never)]
+fn fill<const L: usize>(ends: &mut [Corners<L>; 2], axes: &[Axis<12>; 3]) {
+    for (end, corners) in ends.iter_mut().enumerate() {
+        for (k, corner) in corners.iter_mut().enumerate() {
+            for (x, axis) in corner.iter_mut().zip(axes) {
+                *x = axis.difference(6 * end, 6 * end + k);
+            }
+        }
     }
 }
 
@@ -171,19 +182,19 @@ fn next(corner: usize) -> usize {
 }
 
 impl<const L: usize> Interval<L> {
-    /// The interval at a level that contains `time`, if that is not its end, with the corners at the start and at the end of the motion.
+    /// Becomes the interval at a level that contains `time`, if that is not its end, with the corners at the start and at the end of the motion.
     #[inline(never)]
-    fn new(motion: &[Corners<L>; 2], time: u64, level: u32, count: [usize; 2]) -> Self {
-        let mut interval = Self { ends: *motion, count };
-        let [whole, passed] =
-            [1 << level, time >> (DEEPEST - level)].map(|x| Wide::new(x as i64, 0));
-        for k in interval.corners(0).chain(interval.corners(1)).skip(1) {
-            let step = minus(&motion[1][k], &motion[0][k]);
-            let before = [0, 1, 2].map(|axis| motion[0][k][axis] * whole + step[axis] * passed);
-            interval.ends[0][k] = before;
-            interval.ends[1][k] = sum(&[before, step]);
+    fn cut(&mut self, [start, end]: &[Corners<L>; 2], time: u64, level: u32) {
+        let whole = Wide::new(1 << level, 0);
+        let passed = Wide::new((time >> (DEEPEST - level)) as i64, 0);
+        for k in self.corners(0).chain(self.corners(1)).skip(1) {
+            for axis in 0..3 {
+                let step = end[k][axis] - start[k][axis];
+                let before = start[k][axis] * whole + step * passed;
+                self.ends[0][k][axis] = before;
+                self.ends[1][k][axis] = before + step;
+            }
         }
-        interval
     }
 
     /// The corners of a triangle.
@@ -216,11 +227,14 @@ impl<const L: usize> Interval<L> {
     }
 
     /// A vector from a corner to another, at both ends.
+    #[inline(never)]
     fn between(&self, from: usize, to: usize) -> [Vector<L>; 2] {
-        self.ends.each_ref().map(|corners| minus(&corners[to], &corners[from]))
+        let [start, end] = &self.ends;
+        [minus(&start[to], &start[from]), minus(&end[to], &end[from])]
     }
 
     /// Whether all of the second triangle is strictly on one side of the first along a direction, all through the interval.
+    #[inline(never)]
     fn is_separated(&self, direction: Direction) -> bool {
         match direction {
             Direction::Normal(Feature::Face { of, .. }) => {
@@ -239,9 +253,11 @@ impl<const L: usize> Interval<L> {
                 one_sided(&u, &v, pairs.map(|[i, j]| self.between(i, j)))
             }
             Direction::Foot { corner, edge } => {
-                let [g, w] = [next(edge), corner].map(|to| sum(&self.between(edge, to)));
+                let g = sum(&self.between(edge, next(edge)));
+                let w = sum(&self.between(edge, corner));
                 let (length, along) = (dot(&g, &g), dot(&g, &w));
-                let across = [0, 1, 2].map(|k| length * w[k] - along * g[k]);
+                let across = |k: usize| length * w[k] - along * g[k];
+                let across = [across(0), across(1), across(2)];
                 // Upwards, if the corner is of the second triangle.
                 self.is_above(&across, corner / 3)
             }
@@ -250,6 +266,7 @@ impl<const L: usize> Interval<L> {
     }
 
     /// Whether a triangle is strictly above the other along a direction, at both ends.
+    #[inline(never)]
     fn is_above(&self, n: &Vector<L>, above: usize) -> bool {
         self.ends.iter().all(|corners| {
             let mut below = self.corners(1 - above).map(|k| dot(n, &corners[k]));
@@ -260,16 +277,18 @@ impl<const L: usize> Interval<L> {
     }
 
     /// Whether a corner certainly passes a face, or an edge an edge.
+    #[inline(never)]
     fn certainly_meet(&self) -> bool {
         features(self.count).any(|feature| match feature {
             Feature::Face { of, corner } => {
                 let (o, corner) = (3 * of, 3 - 3 * of + corner);
-                let [u, v, w] = [o + 1, o + 2, corner].map(|to| self.between(o, to));
+                let (u, v) = (self.between(o, o + 1), self.between(o, o + 2));
+                let w = self.between(o, corner);
                 !has_strict_sign(&u, &v, &w) && (0..3).any(|axis| self.is_inside(o, corner, axis))
             }
             Feature::Edges([k, l]) => {
                 let l = l + 3;
-                let [u, v] = [k, l].map(|from| self.between(from, next(from)));
+                let (u, v) = (self.between(k, next(k)), self.between(l, next(l)));
                 !has_strict_sign(&u, &v, &self.between(k, l))
                     && (0..3).any(|axis| self.cross(k, l, axis))
             }
@@ -277,6 +296,7 @@ impl<const L: usize> Interval<L> {
     }
 
     /// Whether a corner is in a face all through the interval, seen along an axis, which never sees the face edge-on.
+    #[inline(never)]
     fn is_inside(&self, o: usize, corner: usize, axis: usize) -> bool {
         let side = turn(&self.between(o, o + 1), &self.between(o, o + 2), axis);
         let Some(side) = strict_sign(&side) else { return false };
@@ -287,6 +307,7 @@ impl<const L: usize> Interval<L> {
     }
 
     /// Whether two edges cross all through the interval, seen along an axis, and never in parallel.
+    #[inline(never)]
     fn cross(&self, k: usize, l: usize, axis: usize) -> bool {
         let (g, h) = (self.between(k, next(k)), self.between(l, next(l)));
         let Some(side) = strict_sign(&turn(&g, &h, axis)) else { return false };
@@ -303,37 +324,47 @@ impl<const L: usize> Interval<L> {
 }
 
 /// Whether cubics have one strict sign all through the interval: the heights of some vectors along the normal of two.
+#[inline(never)]
 fn one_sided<const L: usize>(
     u: &[Vector<L>; 2],
     v: &[Vector<L>; 2],
     heights: impl Iterator<Item = [Vector<L>; 2]> + Clone,
 ) -> bool {
-    let ends = [0, 1].map(|end| cross(&u[end], &v[end]));
-    let mut sides = heights.clone().flat_map(|w| [0, 1].map(|end| dot(&ends[end], &w[end]).sign()));
-    let Some(side) = sides.next() else { return false };
-    if side == 0 || !sides.all(|other| other == side) {
+    let ends = [cross(&u[0], &v[0]), cross(&u[1], &v[1])];
+    let mut side = 0;
+    for w in heights.clone() {
+        for (end, w) in ends.iter().zip(&w) {
+            let own = dot(end, w).sign();
+            if own == 0 || own == -side {
+                return false;
+            }
+            side = own;
+        }
+    }
+    if side == 0 {
         return false;
     }
-    let (p, q) = (cross(&u[0], &v[1]), cross(&u[1], &v[0]));
-    let middle = sum(&[p, q]);
+    let middle = sum(&[cross(&u[0], &v[1]), cross(&u[1], &v[0])]);
     // Thrice the inner coefficients.
     heights.into_iter().all(|w| {
-        let inner = [0, 1].map(|end| dot(&ends[end], &w[1 - end]) + dot(&middle, &w[end]));
-        inner.iter().all(|c| c.sign() * side >= 0)
+        let inner = |end: usize| dot(&ends[end], &w[1 - end]) + dot(&middle, &w[end]);
+        [0, 1].into_iter().all(|end| inner(end).sign() * side >= 0)
     })
 }
 
 /// Whether the determinant of three vectors has the same strict sign at both ends of the interval.
+#[inline(never)]
 fn has_strict_sign<const L: usize>(
     u: &[Vector<L>; 2],
     v: &[Vector<L>; 2],
     w: &[Vector<L>; 2],
 ) -> bool {
-    let [before, after] = [0, 1].map(|end| dot(&cross(&u[end], &v[end]), &w[end]).sign());
-    before * after > 0
+    let sign = |end: usize| dot(&cross(&u[end], &v[end]), &w[end]).sign();
+    sign(0) * sign(1) > 0
 }
 
 /// The Bernstein coefficients of the turn of two moving vectors, seen along an axis, the second of them twice.
+#[inline(never)]
 fn turn<const L: usize>(u: &[Vector<L>; 2], v: &[Vector<L>; 2], axis: usize) -> [Wide<L>; 3] {
     let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
     let turn = |u: &Vector<L>, v: &Vector<L>| u[j] * v[k] - u[k] * v[j];
@@ -346,18 +377,25 @@ fn strict_sign<const L: usize>([start, inner, end]: &[Wide<L>; 3]) -> Option<i32
     (side != 0 && end.sign() == side && inner.sign() * side >= 0).then_some(side)
 }
 
+// Written out, since maps of arrays keep several copies of these on the stack.
+
+#[inline(never)]
 fn minus<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Vector<L> {
-    [0, 1, 2].map(|k| p[k] - q[k])
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
+#[inline(never)]
 fn sum<const L: usize>([p, q]: &[Vector<L>; 2]) -> Vector<L> {
-    [0, 1, 2].map(|k| p[k] + q[k])
+    [p[0] + q[0], p[1] + q[1], p[2] + q[2]]
 }
 
+#[inline(never)]
 fn dot<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Wide<L> {
     p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
+#[inline(never)]
 fn cross<const L: usize>(p: &Vector<L>, q: &Vector<L>) -> Vector<L> {
-    [(1, 2), (2, 0), (0, 1)].map(|(j, k)| p[j] * q[k] - p[k] * q[j])
+    let minor = |j: usize, k: usize| p[j] * q[k] - p[k] * q[j];
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
 }

@@ -51,8 +51,10 @@ mod impact;
 mod leaf;
 mod meets;
 mod pair;
+mod query;
 #[cfg(test)]
 mod tests;
+mod traversal;
 
 pub use adjacency::impact_in_mesh;
 pub use bvh::{MotionError, MovingBvh};

@@ -245,6 +245,62 @@ fn queries_in_f64() {
     }
 }
 
+/// Asks for impacts, of two meshes or of one.
+#[cfg(all(feature = "motion", feature = "f64"))]
+fn asked<const SELF: bool>(query: &pfront_core::motion::MovingBvtt<'_, SELF>) {
+    let _ = query.visit(|pair, impact| Continue(_ = black_box((pair, impact))));
+    black_box(query.first_impact());
+}
+
+/// Motions through each other, in one plane, and to where all touch.
+#[cfg(all(feature = "motion", feature = "f64"))]
+#[test]
+fn motions() {
+    use pfront_core::Pose64;
+    use pfront_core::motion::{MovingBvh, impact, impact_in_mesh};
+    use pfront_core::triangle::Adjacency;
+    let deep = coincident(MAX_DEPTH + 1);
+    let deepest = Tree::deepest(mesh(&deep));
+    let trees =
+        [sheets(16), disparate(30), coincident(30)].map(|soup| (Tree::of(mesh(&soup)), soup));
+    for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
+        let (own, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
+        let in_f32 = |pose: &Pose| PosedBvh::new(bvh, pose).unwrap();
+        let in_f64 = |pose: &Pose| PosedBvh::in_f64(bvh, &Pose64::from(*pose)).unwrap();
+        let (here, there) = (Pose::IDENTITY, Pose::from_translation([0.25, 0.0, 0.0]));
+        for [from, to] in [[here, turned()], [there, here], [turned(), there]] {
+            for [start, end] in [[in_f32(&from), in_f32(&to)], [in_f64(&from), in_f64(&to)]] {
+                let rest = MovingBvh::new(start, start).unwrap();
+                let query = PairBvtt::moving(rest, MovingBvh::new(start, end).unwrap());
+                check("MovingBvtt", || asked(&query));
+            }
+        }
+        // Every coordinate becomes another one that is there already.
+        let count = soup.positions.len();
+        let after: Vec<_> = (0..count).map(|v| soup.positions[(5 * v + 2) % count]).collect();
+        let (moved, mut nodes) = (own.with_positions(&after).unwrap(), tree.nodes.clone());
+        refit(moved, &mut nodes, &tree.order, Refit::default()).unwrap();
+        let end = Bvh::new_unchecked(moved, &nodes, &tree.order);
+        let [start, end] = [bvh, end].map(|bvh| PosedBvh::new(bvh, &Pose::IDENTITY).unwrap());
+        let query = SelfBvtt::moving(MovingBvh::new(start, end).unwrap());
+        check("MovingBvtt", || asked(&query));
+        let triangles = own.triangles().len().min(30) as u32;
+        let pairs = (0..triangles).flat_map(|a| (0..a).map(move |b| [a, b]));
+        check("impact", || {
+            for two in pairs.clone() {
+                let corners = |mesh: Mesh<'_>, t| mesh.shadow_triangle(t).map(|p| p.map(f64::from));
+                let [a, b] = two.map(|t| [own, moved].map(|mesh| corners(mesh, t)));
+                _ = black_box(impact(&a, &b));
+            }
+        });
+        check("impact_in_mesh", || {
+            for [a, b] in pairs.clone() {
+                _ = black_box(impact_in_mesh(own, moved, a, b, Adjacency::default()));
+            }
+        });
+    }
+}
+
 #[test]
 fn fronts() {
     let soup = sheets(40);

@@ -5,9 +5,10 @@ extern crate std;
 use super::rounds;
 use crate::bvh::{BuildOptions, BvhStorage, Refit, morton, node_bound, refit};
 use crate::bvtt::{NodePair, PairBvtt, PosedBvh, SelfBvtt, TrianglePair, Work};
+use crate::motion::common_time::first_overlap;
 use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
-use crate::{Bvh, Mesh, Node, Pose, Pose64};
+use crate::{Aabb, Bvh, Mesh, Node, Pose, Pose64};
 use core::ops::ControlFlow;
 use pfront_testkit::rng::{ChaCha8Rng, RngExt, seeded};
 use std::vec::Vec;
@@ -90,6 +91,12 @@ impl Soup {
     }
 }
 
+/// A leaf of one triangle.
+fn leaf(corners: &[[f32; 3]; 3]) -> Node {
+    let Aabb { min, max } = Aabb::of(corners);
+    Node { min, first: 0, max, count: 1 }
+}
+
 fn at_rest(soup: &Soup) -> PosedBvh<'_> {
     PosedBvh::new(soup.bvh(), &Pose::IDENTITY).unwrap()
 }
@@ -119,7 +126,10 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     }
     let (mut parts, mut best, mut work) = (Vec::new(), None, Work::default());
     for n in front {
-        best = query.first_impact_below(n, &mut Work::default(), best);
+        let limit = best.map_or(f64::INFINITY, |(_, impact): Hit| impact.from);
+        let found = query.first_impact_below(n, &mut Work::default(), limit);
+        let key = |(pair, impact): &Hit| (impact.from, *pair);
+        best = best.into_iter().chain(found).min_by(|p, q| key(p).partial_cmp(&key(q)).unwrap());
         let _ = query.visit_below(n, &mut work, |pair, impact| {
             parts.push((pair, impact));
             ControlFlow::Continue(())
@@ -128,6 +138,37 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     parts.sort_by_key(|hit| hit.0);
     assert_eq!(parts, every);
     assert_eq!(best.as_ref(), first);
+    let overlap = query.first_overlap();
+    assert!(first.is_none_or(|(_, impact)| overlap.is_some_and(|time| time <= impact.from)));
+}
+
+/// All boxes of triangles that overlap at a time, and when first.
+#[test]
+fn boxes_only_as_every_pair() {
+    let mut rng = seeded(64);
+    let mut hits = 0;
+    for round in 0..rounds().min(200) {
+        let start = Soup::new(&mut rng, 1 + round % 50, 0.1);
+        let by = [0.0, 0.05, 1.0][rng.random_range(0..3_usize)];
+        let end =
+            start.moved(|p| p.map(|x| if by > 0.0 { x + rng.random_range(-by..by) } else { x }));
+        let query =
+            SelfBvtt::moving(MovingBvh::new(at_rest(&start), at_rest(&end)).unwrap()).boxes_only();
+        let mut every = Vec::new();
+        for a in 0..start.triangles.len() as u32 {
+            for b in a + 1..start.triangles.len() as u32 {
+                let bounds =
+                    |soup: &Soup, triangle| leaf(&soup.mesh().shadow_triangle(triangle)).bounds();
+                let [start, end] = [&start, &end].map(|soup| [bounds(soup, a), bounds(soup, b)]);
+                let first = first_overlap(&start, &end);
+                let impact = first.map(|from| Impact { from, to: f64::INFINITY });
+                every.extend(impact.map(|impact| (TrianglePair { a, b }, impact)));
+            }
+        }
+        hits += every.len();
+        check(&query, &every);
+    }
+    assert!(cfg!(miri) || hits > 500, "{hits}");
 }
 
 #[test]
@@ -145,12 +186,12 @@ fn rigid_bodies_as_every_pair() {
             Pose64::new([[cos, -sin, 0.0, t[0]], [sin, cos, 0.0, t[1]], [0.0, 0.0, 1.0, t[2]]])
         };
         let [a, b] = soups.each_ref().map(|soup| {
-            let [start, end] = [pose(), pose()].map(|pose| match round % 2 {
-                0 => {
-                    let rows = pose.rows.map(|row| row.map(|x| x as f32));
-                    PosedBvh::new(soup.bvh(), &Pose::new(rows)).unwrap()
+            let [start, end] = [(pose(), 1), (pose(), 2)].map(|(pose, in_f64)| {
+                if round & in_f64 != 0 {
+                    return PosedBvh::in_f64(soup.bvh(), &pose).unwrap();
                 }
-                _ => PosedBvh::in_f64(soup.bvh(), &pose).unwrap(),
+                let rows = pose.rows.map(|row| row.map(|x| x as f32));
+                PosedBvh::new(soup.bvh(), &Pose::new(rows)).unwrap()
             });
             MovingBvh::new(start, end).unwrap()
         });
@@ -166,6 +207,37 @@ fn rigid_bodies_as_every_pair() {
         check(&query, &every);
     }
     assert!(cfg!(miri) || hits > 500, "{hits}");
+}
+
+/// A small triangle far from the origin of its motion, where f32 rounds by more than it is long, touches a tile at the end, or at the start.
+#[test]
+fn one_end_in_f64_and_the_other_in_f32() {
+    let mut rng = seeded(63);
+    let soup = |points: [[f32; 3]; 3]| Soup {
+        positions: points.to_vec(),
+        triangles: std::vec![[0, 1, 2]],
+        nodes: std::vec![leaf(&points)],
+        order: std::vec![0],
+    };
+    let tile = soup([[1000.0, 0.0, 0.0], [1000.01, 0.0, 0.0], [1000.0, 0.01, 0.0]]);
+    for round in 0..rounds().min(400) {
+        let blade = soup([0; 3].map(|_| [0; 3].map(|_| rng.random_range(-0.002..0.002_f32))));
+        let (sin, cos) = rng.random_range(-0.5..0.5_f64).sin_cos();
+        let pose = |z: f64| {
+            Pose64::new([[1.0, 0.0, 0.0, 1000.003], [0.0, cos, -sin, 0.003], [0.0, sin, cos, z]])
+        };
+        let height = |p: &[f32; 3]| pose(0.0).apply(p.map(f64::from))[2];
+        let lowest = blade.positions.iter().map(height).fold(f64::INFINITY, f64::min);
+        let near = PosedBvh::in_f64(blade.bvh(), &pose(-lowest)).unwrap();
+        let far = Pose::from_translation([1000.003, 0.003, 1.0]);
+        let far = PosedBvh::new(blade.bvh(), &far).unwrap();
+        let falling = if round % 2 == 0 { [far, near] } else { [near, far] };
+        let rest = MovingBvh::new(at_rest(&tile), at_rest(&tile)).unwrap();
+        let query = PairBvtt::moving(rest, MovingBvh::new(falling[0], falling[1]).unwrap());
+        let pair = TrianglePair { a: 0, b: 0 };
+        let impact = query.impact(pair).expect("they touch");
+        check(&query, &[(pair, impact)]);
+    }
 }
 
 #[test]

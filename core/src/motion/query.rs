@@ -1,0 +1,109 @@
+//! The verbs of a query about motions.
+
+use super::Impact;
+use super::bvtt::{Hit, MovingBvtt};
+use super::traversal::{MovingTraversal, Visitor};
+use crate::bvtt::{NodePair, TrianglePair, Work};
+use crate::simd::{Task, VECTORS, widest};
+use core::ops::ControlFlow;
+
+impl<const SELF: bool> MovingBvtt<'_, SELF> {
+    /// Passes on the children of a node whose boxes overlap at a time, at most four. Returns the number of box tests: 0 for a leaf pair,
+    /// which has no children.
+    pub fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        self.descend(n, |child, _| push(child))
+    }
+
+    /// Calls `visit` for each pair of triangles below a node pair that meet, until it breaks. Adds its tests to `work`.
+    ///
+    /// The order is fixed for given BVHs, and otherwise arbitrary. Triangles of one mesh are numbered a < b.
+    ///
+    /// # Complexity
+    /// Four box tests a node pair; for two triangles whose boxes overlap at a time some ten nanoseconds if they stay well apart or cross at the start,
+    /// else some microseconds; no allocation, no recursion, bounded stack.
+    pub fn visit_below(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.traverse(n, work, f64::INFINITY, &mut |(pair, impact)| match visit(pair, impact) {
+            ControlFlow::Continue(()) => ControlFlow::Continue(f64::INFINITY),
+            ControlFlow::Break(()) => ControlFlow::Break(()),
+        })
+    }
+
+    /// [`MovingBvtt::visit_below`] the root.
+    pub fn visit(
+        &self,
+        visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        match self.root() {
+            Some(root) => self.visit_below(root, &mut Work::default(), visit),
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// The number of pairs that meet.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        let mut count = 0;
+        let _ = self.visit(|_, _| {
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        count
+    }
+
+    /// Some pair that meets, if any does; the traversal stops at the first that it comes upon.
+    #[must_use]
+    pub fn any(&self) -> Option<TrianglePair> {
+        let mut found = None;
+        let _ = self.visit(|pair, _| {
+            found = Some(pair);
+            ControlFlow::Break(())
+        });
+        found
+    }
+
+    /// The pair that meets first, by `from` and then by the pair, if any does.
+    ///
+    /// # Complexity
+    /// Node pairs that overlap first are visited first, and those that do so later than the answer are left out.
+    #[must_use]
+    pub fn first_impact(&self) -> Option<(TrianglePair, Impact)> {
+        self.first_impact_below(self.root()?, &mut Work::default(), f64::INFINITY)
+    }
+
+    /// [`MovingBvtt::first_impact`] below a node pair, if its impact begins no later than `limit`.
+    #[must_use]
+    pub fn first_impact_below(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        mut limit: f64,
+    ) -> Option<(TrianglePair, Impact)> {
+        let mut best: Option<Hit> = None;
+        let _ = self.traverse(n, work, limit, &mut |hit| {
+            let (pair, impact) = hit;
+            let is_first = best.is_none_or(|best| (impact.from, pair) < (best.1.from, best.0));
+            if is_first && impact.from <= limit {
+                (best, limit) = (Some(hit), impact.from);
+            }
+            ControlFlow::Continue(limit)
+        });
+        best
+    }
+
+    /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
+    fn traverse(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        limit: f64,
+        visit: &mut Visitor<'_>,
+    ) -> ControlFlow<()> {
+        let task = MovingTraversal { query: self, n, work, limit, visit };
+        if VECTORS { widest(task) } else { task.run::<f32>() }
+    }
+}

@@ -1,0 +1,231 @@
+//! Impacts: which triangles of some subjects meet while these move, and when first, on the CPU of an executor.
+
+use super::{CpuPart, History, Named, check};
+use crate::memory::push;
+use crate::{Error, Impact, TrianglePair};
+use pfront_core::bvtt::{AnyBvtt, Cursor, NodePair, Query, Work};
+use pfront_core::motion::MovingBvtt;
+use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
+
+/// The BVTT of two meshes that move, of one that deforms and itself, or of what rests.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AnyMovingBvtt<'q> {
+    Pair(MovingBvtt<'q, false>),
+    Itself(MovingBvtt<'q, true>),
+    /// Its pairs are those that intersect, from the start on.
+    Still(AnyBvtt<'q>),
+}
+
+impl AnyMovingBvtt<'_> {
+    /// The first time at which the boxes of the root overlap; before that, nothing below meets.
+    pub(crate) fn first_overlap(&self) -> Option<f64> {
+        match self {
+            Self::Pair(tree) => tree.first_overlap(),
+            Self::Itself(tree) => tree.first_overlap(),
+            Self::Still(tree) => tree.root().map(|_| 0.0),
+        }
+    }
+
+    fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
+        match self {
+            Self::Pair(tree) => tree.children(n, push),
+            Self::Itself(tree) => tree.children(n, push),
+            Self::Still(tree) => tree.children(n, &mut |child, _| push(child)),
+        }
+    }
+
+    fn visit_below(
+        &self,
+        n: NodePair,
+        mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+    ) {
+        let work = &mut Work::default();
+        let _ = match self {
+            Self::Pair(tree) => tree.visit_below(n, work, visit),
+            Self::Itself(tree) => tree.visit_below(n, work, visit),
+            Self::Still(tree) => tree.visit(&mut Cursor::at(n), |pair| visit(pair, AT_START)),
+        };
+    }
+
+    fn first_impact_below(&self, n: NodePair, limit: f64) -> Option<(TrianglePair, Impact)> {
+        let work = &mut Work::default();
+        match self {
+            Self::Pair(tree) => tree.first_impact_below(n, work, limit),
+            Self::Itself(tree) => tree.first_impact_below(n, work, limit),
+            Self::Still(tree) => {
+                let mut first = None;
+                let _ = tree.visit(&mut Cursor::at(n), |pair| {
+                    first = Some(first.map_or(pair, |first: TrianglePair| first.min(pair)));
+                    ControlFlow::Continue(())
+                });
+                first.map(|pair| (pair, AT_START))
+            }
+        }
+    }
+}
+
+/// The impact of what intersects from the start on.
+pub(crate) const AT_START: Impact = Impact { from: 0.0, to: 0.0 };
+
+/// Node pairs of all fronts: enough for every thread, and each below a millisecond of work even where meshes are large.
+const FRONT: usize = 4096;
+
+/// Node pairs that are worth a call of another thread.
+const LEAST: usize = 16;
+
+/// A subject that is asked about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MovingSubject<S> {
+    /// Nothing of it meets before this time.
+    pub(crate) from: f64,
+    pub(crate) subject: S,
+}
+
+/// Adds all pairs that meet to a list, in no order. `tree` gives the name and the tree of a subject.
+///
+/// # Errors
+/// [`Error::Cancelled`], [`Error::Memory`], or [`Error::Panicked`] for a thread of a pool.
+pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Sync>(
+    history: &mut History<F::Name>,
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
+    all: &mut Vec<(F, Impact)>,
+) -> Result<(), Error> {
+    let part = CpuPart::new();
+    let listed = {
+        let flag = history.executor().cancel_flag();
+        let list = |front: &[(MovingSubject<S>, NodePair)], out: &mut Vec<(F, Impact)>| {
+            part.works();
+            for of_one in front.chunk_by(|x, y| x.0 == y.0) {
+                let Some((name, tree)) = tree(of_one[0].0.subject) else { continue };
+                for &(_, n) in of_one {
+                    check(flag)?;
+                    let mut pushed = Ok(());
+                    tree.visit_below(n, |pair, impact| {
+                        pushed = push(out, (F::new(name, pair), impact));
+                        if pushed.is_ok() {
+                            ControlFlow::Continue(())
+                        } else {
+                            ControlFlow::Break(())
+                        }
+                    });
+                    pushed?;
+                }
+            }
+            Ok(())
+        };
+        let share = FRONT / subjects.len().max(1);
+        fronts(subjects, &tree, share).and_then(|front| history.by_pieces(&front, LEAST, list, all))
+    };
+    history.note_cpu(part.backend());
+    listed
+}
+
+/// The pair that meets first, by time, then by the name of its subject, then by the pair; or `known`, if that comes before all. Subjects ascend by
+/// the time before which nothing of them meets.
+///
+/// # Errors
+/// As [`impacts`].
+pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
+    history: &mut History<F::Name>,
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
+    known: Option<(F, Impact)>,
+) -> Result<Option<(F, Impact)>, Error> {
+    let (part, best) = (CpuPart::new(), Mutex::new(known));
+    let known = || best.lock().unwrap_or_else(PoisonError::into_inner);
+    let limit = || known().map_or(f64::INFINITY, |(_, impact)| impact.from);
+    let listed = {
+        let executor = history.executor();
+        let flag = executor.cancel_flag();
+        let search = |front: &[(MovingSubject<S>, NodePair)], _: &mut Vec<()>| {
+            part.works();
+            for of_one in front.chunk_by(|x, y| x.0 == y.0) {
+                let MovingSubject { from, subject } = of_one[0].0;
+                if from > limit() {
+                    break;
+                }
+                let Some((name, tree)) = tree(subject) else { continue };
+                // Among hits at the same time, that of the first name counts.
+                let is_before =
+                    |(hit, impact): (F, Impact)| impact.from <= from && hit.name() < name;
+                if known().is_some_and(is_before) {
+                    continue;
+                }
+                for &(_, n) in of_one {
+                    check(flag)?;
+                    let found = tree.first_impact_below(n, limit());
+                    let found = found.map(|(pair, impact)| (F::new(name, pair), impact));
+                    let mut best = known();
+                    *best = earlier(*best, found);
+                }
+            }
+            Ok(())
+        };
+        // One thread that nothing interrupts divides nothing.
+        let is_whole = executor.pool.is_none() && flag.is_none();
+        let share = if is_whole { 1 } else { FRONT / subjects.len().max(1) };
+        fronts(subjects, &tree, share)
+            .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
+    };
+    history.note_cpu(part.backend());
+    listed?;
+    Ok(best.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// The first of two, by time and then by the hit.
+fn earlier<F: Named>(p: Option<(F, Impact)>, q: Option<(F, Impact)>) -> Option<(F, Impact)> {
+    let is_first = |p: &(F, Impact), q: &(F, Impact)| (p.1.from, p.0) <= (q.1.from, q.0);
+    match (p, q) {
+        (Some(p), Some(q)) => Some(if is_first(&p, &q) { p } else { q }),
+        (p, q) => p.or(q),
+    }
+}
+
+/// A cut of each tree, of at least `share` node pairs if it has as many, one subject after the other.
+fn fronts<'q, N, S: Copy>(
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
+    share: usize,
+) -> Result<Vec<(MovingSubject<S>, NodePair)>, Error> {
+    let (mut fronts, mut front, mut next) = (Vec::new(), Vec::new(), Vec::new());
+    for &subject in subjects {
+        front.clear();
+        push(&mut front, NodePair::default())?;
+        if share > 1
+            && let Some((_, tree)) = tree(subject.subject)
+        {
+            while front.len() < share && deepen(&tree, &front, &mut next)? {
+                std::mem::swap(&mut front, &mut next);
+            }
+        }
+        for &n in &front {
+            push(&mut fronts, (subject, n))?;
+        }
+    }
+    Ok(fronts)
+}
+
+/// Makes `next` the children of a front, and its leaf pairs. Returns whether it had others.
+fn deepen(
+    tree: &AnyMovingBvtt<'_>,
+    front: &[NodePair],
+    next: &mut Vec<NodePair>,
+) -> Result<bool, Error> {
+    let (mut pushed, mut has_children) = (Ok(()), false);
+    next.clear();
+    for &n in front {
+        let mut add = |n| {
+            if pushed.is_ok() {
+                pushed = push(next, n);
+            }
+        };
+        match tree.children(n, &mut add) {
+            0 => add(n),
+            _ => has_children = true,
+        }
+    }
+    pushed?;
+    Ok(has_children)
+}
