@@ -129,7 +129,8 @@ impl TriangleBlock {
     }
 
     /// Lanes of `candidates` that certainly intersect triangle `j` of `other`, and those that may. Lanes of `neighbours`,
-    /// which may share a vertex with it, are left out only if a plane separates them beside what they share.
+    /// which may share a vertex with it, are left out only if a plane separates them beside what they share, and decided only
+    /// if they share none.
     #[inline(always)]
     fn decide<S: Simd, const SELF: bool>(
         &self,
@@ -154,7 +155,12 @@ impl TriangleBlock {
             }
             let of_own = others.heights(&own);
             left &= !others.separates::<SELF>(&own, &of_own, neighbours);
-            let mut distinct = left & !(neighbours >> at);
+            let sharing = if SELF && neighbours >> at & left != 0 {
+                neighbours >> at & own.may_share_vertex(&others)
+            } else {
+                0
+            };
+            let mut distinct = left & !sharing;
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles.
             if S::WIDTH > 1 && distinct != 0 {
@@ -168,7 +174,7 @@ impl TriangleBlock {
                 distinct &= !(met | apart);
             }
             hits |= (meet[0] | meet[1]) << at;
-            left = distinct | left & neighbours >> at;
+            left = distinct | left & sharing;
             open |= left << at;
         }
         [hits, open]

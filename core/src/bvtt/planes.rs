@@ -53,6 +53,15 @@ impl<S: Simd> Planes<S> {
         [u.eq(p) | u.eq(q) | u.eq(r), v.eq(p) | v.eq(q) | v.eq(r), w.eq(p) | w.eq(q) | w.eq(r)]
     }
 
+    /// Lanes in which both triangles have a vertex in common, or one whose key is NaN.
+    #[inline(always)]
+    pub(super) fn may_share_vertex(&self, other: &Self) -> u32 {
+        let ([p, q, r], [u, v, w]) = (self.vertices, other.vertices);
+        let are_known = p.eq(p) & q.eq(q) & r.eq(r) & u.eq(u) & v.eq(v) & w.eq(w);
+        let [u, v, w] = self.shared(other);
+        S::bits(u | v | w) | !S::bits(are_known)
+    }
+
     /// The heights of the corners of `other` over this plane.
     #[inline(always)]
     pub(super) fn heights(&self, other: &Self) -> Heights<S> {
