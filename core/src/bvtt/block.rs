@@ -2,12 +2,14 @@
 
 use super::PosedBvh;
 use super::trees::Shared;
+use crate::Triangle;
+use crate::aabb::Bounds;
 use crate::bvh::MAX_LEAF_SIZE;
 use crate::simd::point8::{
     Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
 };
 use crate::simd::{LANES, Simd, VECTORS};
-use crate::{Aabb, Triangle};
+use glam::Vec3A;
 
 const _: () = assert!(LANES == MAX_LEAF_SIZE as usize, "a block holds a leaf");
 
@@ -30,7 +32,7 @@ pub(super) struct TriangleBlock {
     /// For each axis, the larger extent of the two edges from the first corner.
     pub(super) extent: Points,
     /// A box that contains all triangles.
-    pub(super) bounds: Aabb,
+    pub(super) bounds: Bounds,
 }
 
 /// A float for each vertex index, so that lanes of floats can compare vertices. Different vertices have different keys. A
@@ -55,7 +57,7 @@ impl TriangleBlock {
             max: zero,
             normal: zero,
             extent: zero,
-            bounds: Aabb { min: [0.0; 3], max: [0.0; 3] },
+            bounds: Bounds::of(Vec3A::ZERO),
         }
     }
 
@@ -70,7 +72,7 @@ impl TriangleBlock {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
         let triangles = side.bvh.leaf_triangles(leaf);
         (self.node, self.len) = (node, triangles.len());
-        self.bounds = side.bounds(leaf).into();
+        self.bounds = side.bounds(leaf);
         self.certified = [0; 3];
         // Lanes without a triangle hold a posed origin, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -81,14 +83,14 @@ impl TriangleBlock {
             for (k, &vertex) in vertices.iter().enumerate() {
                 let [x, y, z] = mesh.shadow()[vertex as usize];
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
-                if !SELF {
-                    continue;
+                if SELF {
+                    self.vertices[k][lane] = vertex_key(vertex);
+                    self.certified[k] |= u32::from(shared.has_certified_ring(vertex)) << lane;
                 }
-                let key = vertex_key(vertex);
-                self.vertices[k][lane] = key;
-                let is_certified = shared.is_certified(vertex) && !key.is_nan();
-                self.certified[k] |= u32::from(is_certified) << lane;
             }
+        }
+        if SELF {
+            self.certify::<S>(shared.none_is_hit);
         }
         for lane in chunk_starts::<S>() {
             let mut posed =
@@ -97,6 +99,19 @@ impl TriangleBlock {
                 posed = [affine.points(posed[0]), affine.points(posed[1]), affine.points(posed[2])];
             }
             self.derive(posed, lane);
+        }
+    }
+
+    /// Certifies all vertices if no neighbours are a hit, and none whose key is NaN.
+    #[inline(always)]
+    fn certify<S: Simd>(&mut self, none_is_hit: bool) {
+        for k in 0..3 {
+            let mut known = 0;
+            for at in chunk_starts::<S>() {
+                let keys = S::load(&self.vertices[k], at);
+                known |= S::bits(keys.eq(keys)) << at;
+            }
+            self.certified[k] = if none_is_hit { known } else { self.certified[k] & known };
         }
     }
 
@@ -111,6 +126,16 @@ impl TriangleBlock {
         let (u, v) = (difference(q, p), difference(r, p));
         store(cross(u, v), &mut self.normal, lane);
         store(highest(abs(u), abs(v)), &mut self.extent, lane);
+    }
+
+    /// The smallest and the largest corner of a box that contains all triangles, in every lane.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(&self) -> [[S; 3]; 2] {
+        let Bounds { min, max } = self.bounds;
+        [
+            [S::splat(min.x), S::splat(min.y), S::splat(min.z)],
+            [S::splat(max.x), S::splat(max.y), S::splat(max.z)],
+        ]
     }
 
     /// The posed corners in a lane.

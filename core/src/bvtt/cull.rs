@@ -12,7 +12,6 @@
 
 use super::block::TriangleBlock;
 use super::planes::Planes;
-use crate::Aabb;
 use crate::simd::point8::{chunk_starts, difference, load, splat, sum};
 use crate::simd::{LANES, Simd};
 use glam::Vec3A;
@@ -46,9 +45,8 @@ impl TriangleBlock {
         let (uncertified, other_uncertified) = (self.uncertified(), other.uncertified());
         let error = error.map(|error| [S::splat(error.x), S::splat(error.y), S::splat(error.z)]);
         // The triangles of `other` that reach into the box of this block.
-        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
-        let low = [S::splat(a), S::splat(b), S::splat(c)];
-        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], error);
+        let [low, high] = self.around::<S>();
+        let mut rows = other.overlapping(low, high, error);
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
