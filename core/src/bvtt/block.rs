@@ -73,7 +73,7 @@ impl TriangleBlock {
         let triangles = side.bvh.leaf_triangles(leaf);
         (self.node, self.len) = (node, triangles.len());
         self.bounds = side.bounds(leaf);
-        self.certified = [0; 3];
+        let mut certified = [0; 3];
         // Lanes without a triangle hold a posed origin, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, &triangle) in triangles.iter().enumerate() {
@@ -85,12 +85,12 @@ impl TriangleBlock {
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
                 if SELF {
                     self.vertices[k][lane] = vertex_key(vertex);
-                    self.certified[k] |= u32::from(shared.has_certified_ring(vertex)) << lane;
+                    certified[k] |= u32::from(shared.has_certified_ring(vertex)) << lane;
                 }
             }
         }
         if SELF {
-            self.certify::<S>(shared.none_is_hit);
+            self.certify::<S>(if shared.none_is_hit { [u32::MAX; 3] } else { certified });
         }
         for lane in chunk_starts::<S>() {
             let mut posed =
@@ -102,17 +102,18 @@ impl TriangleBlock {
         }
     }
 
-    /// Certifies all vertices if no neighbours are a hit, and none whose key is NaN.
+    /// Certifies vertices, but none whose key is NaN.
     #[inline(always)]
-    fn certify<S: Simd>(&mut self, none_is_hit: bool) {
-        for k in 0..3 {
+    fn certify<S: Simd>(&mut self, mut certified: [u32; 3]) {
+        for (keys, certified) in self.vertices.iter().zip(&mut certified) {
             let mut known = 0;
             for at in chunk_starts::<S>() {
-                let keys = S::load(&self.vertices[k], at);
+                let keys = S::load(keys, at);
                 known |= S::bits(keys.eq(keys)) << at;
             }
-            self.certified[k] = if none_is_hit { known } else { self.certified[k] & known };
+            *certified &= known;
         }
+        self.certified = certified;
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.

@@ -6,7 +6,9 @@
 use super::block::TriangleBlock;
 use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};
 use crate::simd::Simd;
-use crate::simd::point8::{abs, cross, difference, dot, highest, load, lowest, select, splat};
+use crate::simd::point8::{
+    abs, cross, difference, dot, highest, load, lowest, pick, select, splat,
+};
 
 /// A triangle in each lane, with its supporting plane.
 pub(super) struct Planes<S> {
@@ -29,6 +31,24 @@ impl<S: Simd> Planes<S> {
             vertices: load(&block.vertices, at),
             normal: load(&block.normal, at),
             extent: load(&block.extent, at),
+        }
+    }
+
+    /// Triangles of a block at some places, see [`Simd::pick`], in the lanes from `at` on.
+    #[inline(always)]
+    pub(super) fn pick(
+        block: &TriangleBlock,
+        places: u64,
+        at: usize,
+        error: Option<[S; 3]>,
+    ) -> Self {
+        let [p, q, r] = &block.corners;
+        Self {
+            error,
+            corners: [pick(p, places, at), pick(q, places, at), pick(r, places, at)],
+            vertices: pick(&block.vertices, places, at),
+            normal: pick(&block.normal, places, at),
+            extent: pick(&block.extent, places, at),
         }
     }
 
