@@ -22,11 +22,10 @@ impl TriangleBlock {
         error: Option<Vec3A>,
     ) -> bool {
         let distance = distance + error.unwrap_or(Vec3A::ZERO).max_element() * 1.733;
-        let [a, b] =
-            [&self.bounds, &other.bounds].map(|of| [of.min, of.max].map(Vec3A::from_array));
-        let from = (a[0] + a[1]) * 0.5;
-        let n = (b[0] + b[1]) * 0.5 - from;
-        let extent = (a[1].max(b[1]) - a[0].min(b[0])).max_element();
+        let (a, b) = (&self.bounds, &other.bounds);
+        let from = (a.min + a.max) * 0.5;
+        let n = (b.min + b.max) * 0.5 - from;
+        let extent = (a.max.max(b.max) - a.min.min(b.min)).max_element();
         let own = self.heights::<S>(from, n);
         let others = other.heights::<S>(from, n);
         let end = own.iter().take(self.len).fold(f32::NEG_INFINITY, |m, h| m.max(h[1]));

@@ -2,12 +2,14 @@
 
 use super::PosedBvh;
 use super::trees::Shared;
+use crate::Triangle;
+use crate::aabb::Bounds;
 use crate::bvh::MAX_LEAF_SIZE;
 use crate::simd::point8::{
     Points, abs, chunk_starts, cross, difference, highest, load, lowest, store,
 };
 use crate::simd::{LANES, Simd, VECTORS};
-use crate::{Aabb, Triangle};
+use glam::Vec3A;
 
 const _: () = assert!(LANES == MAX_LEAF_SIZE as usize, "a block holds a leaf");
 
@@ -30,7 +32,7 @@ pub(super) struct TriangleBlock {
     /// For each axis, the larger extent of the two edges from the first corner.
     pub(super) extent: Points,
     /// A box that contains all triangles.
-    pub(super) bounds: Aabb,
+    pub(super) bounds: Bounds,
 }
 
 /// A float for each vertex index, so that lanes of floats can compare vertices. Different vertices have different keys. A
@@ -55,7 +57,7 @@ impl TriangleBlock {
             max: zero,
             normal: zero,
             extent: zero,
-            bounds: Aabb { min: [0.0; 3], max: [0.0; 3] },
+            bounds: Bounds::of(Vec3A::ZERO),
         }
     }
 
@@ -70,8 +72,8 @@ impl TriangleBlock {
         let (leaf, mesh) = (side.bvh.node(node), side.bvh.mesh());
         let triangles = side.bvh.leaf_triangles(leaf);
         (self.node, self.len) = (node, triangles.len());
-        self.bounds = side.bounds(leaf).into();
-        self.certified = [0; 3];
+        self.bounds = side.bounds(leaf);
+        let mut certified = [0; 3];
         // Lanes without a triangle hold a posed origin, so that arithmetic on them is neither slow nor a trap.
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, &triangle) in triangles.iter().enumerate() {
@@ -81,14 +83,14 @@ impl TriangleBlock {
             for (k, &vertex) in vertices.iter().enumerate() {
                 let [x, y, z] = mesh.shadow()[vertex as usize];
                 (corners[k][0][lane], corners[k][1][lane], corners[k][2][lane]) = (x, y, z);
-                if !SELF {
-                    continue;
+                if SELF {
+                    self.vertices[k][lane] = vertex_key(vertex);
+                    certified[k] |= u32::from(shared.has_certified_ring(vertex)) << lane;
                 }
-                let key = vertex_key(vertex);
-                self.vertices[k][lane] = key;
-                let is_certified = shared.is_certified(vertex) && !key.is_nan();
-                self.certified[k] |= u32::from(is_certified) << lane;
             }
+        }
+        if SELF {
+            self.certify::<S>(if shared.none_is_hit { [u32::MAX; 3] } else { certified });
         }
         for lane in chunk_starts::<S>() {
             let mut posed =
@@ -98,6 +100,20 @@ impl TriangleBlock {
             }
             self.derive(posed, lane);
         }
+    }
+
+    /// Certifies vertices, but none whose key is NaN.
+    #[inline(always)]
+    fn certify<S: Simd>(&mut self, mut certified: [u32; 3]) {
+        for (keys, certified) in self.vertices.iter().zip(&mut certified) {
+            let mut known = 0;
+            for at in chunk_starts::<S>() {
+                let keys = S::load(keys, at);
+                known |= S::bits(keys.eq(keys)) << at;
+            }
+            *certified &= known;
+        }
+        self.certified = certified;
     }
 
     /// Stores posed corners and derives boxes and planes, in the lanes from `lane` on.
@@ -111,6 +127,16 @@ impl TriangleBlock {
         let (u, v) = (difference(q, p), difference(r, p));
         store(cross(u, v), &mut self.normal, lane);
         store(highest(abs(u), abs(v)), &mut self.extent, lane);
+    }
+
+    /// The smallest and the largest corner of a box that contains all triangles, in every lane.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(&self) -> [[S; 3]; 2] {
+        let Bounds { min, max } = self.bounds;
+        [
+            [S::splat(min.x), S::splat(min.y), S::splat(min.z)],
+            [S::splat(max.x), S::splat(max.y), S::splat(max.z)],
+        ]
     }
 
     /// The posed corners in a lane.

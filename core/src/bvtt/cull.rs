@@ -12,7 +12,6 @@
 
 use super::block::TriangleBlock;
 use super::planes::Planes;
-use crate::Aabb;
 use crate::simd::point8::{chunk_starts, difference, load, splat, sum};
 use crate::simd::{LANES, Simd};
 use glam::Vec3A;
@@ -42,13 +41,12 @@ impl TriangleBlock {
         boxes_only: bool,
         error: Option<Vec3A>,
     ) -> PairSets {
-        let mut pairs = PairSets::default();
+        let (mut pairs, mut left, mut neighbours) = (PairSets::default(), 0, 0);
         let (uncertified, other_uncertified) = (self.uncertified(), other.uncertified());
         let error = error.map(|error| [S::splat(error.x), S::splat(error.y), S::splat(error.z)]);
         // The triangles of `other` that reach into the box of this block.
-        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
-        let low = [S::splat(a), S::splat(b), S::splat(c)];
-        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], error);
+        let [low, high] = self.around::<S>();
+        let mut rows = other.overlapping(low, high, error);
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
@@ -57,23 +55,24 @@ impl TriangleBlock {
                 self.overlapping(splat::<S>(&other.min, j), splat(&other.max, j), error);
             let mut found = overlapping & (allowed >> shift) as u32;
             pairs.overlapping |= u64::from(found) << shift;
-            if SELF && boxes_only {
-                pairs.open = pairs.overlapping;
-                continue;
-            }
-            let mut neighbours = 0;
-            if SELF {
+            if SELF && !boxes_only {
                 found &= !self.share_certified_vertex::<S>(other, j);
-                neighbours = if other_uncertified >> j & 1 != 0 { found & uncertified } else { 0 };
+                let uncertified = if other_uncertified >> j & 1 != 0 { uncertified } else { 0 };
+                neighbours |= u64::from(found & uncertified) << shift;
             }
-            if found == 0 {
-                continue;
-            }
-            let [hits, open] = self.decide::<S, SELF>(other, j, found, neighbours, error);
-            pairs.hits |= u64::from(hits) << shift;
-            pairs.open |= u64::from(open) << shift;
-            pairs.may_share_vertex |= u64::from(open & neighbours) << shift;
+            left |= u64::from(found) << shift;
         }
+        if SELF && boxes_only {
+            return PairSets { open: left, ..pairs };
+        }
+        while left != 0 {
+            let group = PairLanes::take(&mut left);
+            let [hits, open] =
+                self.decide::<S, SELF>(other, &group, group.lanes_of(neighbours), error);
+            pairs.hits |= group.set_of(hits);
+            pairs.open |= group.set_of(open);
+        }
+        pairs.may_share_vertex = pairs.open & neighbours;
         pairs
     }
 
@@ -128,25 +127,24 @@ impl TriangleBlock {
         !(self.certified[0] & self.certified[1] & self.certified[2]) & self.occupied_mask()
     }
 
-    /// Lanes of `candidates` that certainly intersect triangle `j` of `other`, and those that may. Lanes of `neighbours`,
-    /// which may share a vertex with it, are left out only if a plane separates them beside what they share.
+    /// Lanes of a group of pairs that certainly intersect, and those that may. Lanes of `neighbours`, which may share a vertex, are left
+    /// out only if a plane separates them beside what they share, and decided only if they share none.
     #[inline(always)]
     fn decide<S: Simd, const SELF: bool>(
         &self,
         other: &Self,
-        j: usize,
-        candidates: u32,
+        group: &PairLanes,
         neighbours: u32,
         error: Option<[S; 3]>,
     ) -> [u32; 2] {
         let [mut hits, mut open] = [0; 2];
         for at in chunk_starts::<S>() {
-            let mut left = candidates >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
+            let mut left = group.lanes >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
             if S::WIDTH < LANES && left == 0 {
                 continue;
             }
-            let (own, others) =
-                (Planes::<S>::load(self, at, error), Planes::splat(other, j, error));
+            let own = Planes::<S>::pick(self, group.bits, at, error);
+            let others = Planes::pick(other, group.bits >> LANES.ilog2(), at, error);
             let of_others = own.heights(&others);
             left &= !own.separates::<SELF>(&others, &of_others, neighbours);
             if left == 0 {
@@ -154,7 +152,12 @@ impl TriangleBlock {
             }
             let of_own = others.heights(&own);
             left &= !others.separates::<SELF>(&own, &of_own, neighbours);
-            let mut distinct = left & !(neighbours >> at);
+            let sharing = if SELF && neighbours >> at & left != 0 {
+                neighbours >> at & own.may_share_vertex(&others)
+            } else {
+                0
+            };
+            let mut distinct = left & !sharing;
             let mut meet = [0; 2];
             // One lane alone gains nothing over the test of two triangles.
             if S::WIDTH > 1 && distinct != 0 {
@@ -168,9 +171,56 @@ impl TriangleBlock {
                 distinct &= !(met | apart);
             }
             hits |= (meet[0] | meet[1]) << at;
-            left = distinct | left & neighbours >> at;
+            left = distinct | left & sharing;
             open |= left << at;
         }
         [hits, open]
+    }
+}
+
+/// Up to eight pairs of a leaf pair, one a lane.
+struct PairLanes {
+    /// The bit of each, in a byte.
+    bits: u64,
+    /// The lanes that have one.
+    lanes: u32,
+}
+
+impl PairLanes {
+    /// Takes the lowest pairs out of a set.
+    #[inline(always)]
+    fn take(pairs: &mut u64) -> Self {
+        let lanes = !(u32::MAX << pairs.count_ones().min(LANES as u32));
+        let mut bits = 0;
+        // Without a branch: how many there are is hard to predict.
+        for lane in 0..LANES {
+            bits |= u64::from(pairs.trailing_zeros() % u64::BITS) << (8 * lane);
+            *pairs &= pairs.wrapping_sub(1);
+        }
+        Self { bits, lanes }
+    }
+
+    /// The lanes whose pair is in a set.
+    #[inline(always)]
+    fn lanes_of(&self, pairs: u64) -> u32 {
+        if pairs == 0 {
+            return 0;
+        }
+        let mut lanes = 0;
+        for lane in 0..LANES {
+            lanes |= (pairs >> (self.bits >> (8 * lane) & 63) & 1) << lane;
+        }
+        lanes as u32 & self.lanes
+    }
+
+    /// The pairs of some lanes.
+    #[inline(always)]
+    fn set_of(&self, mut lanes: u32) -> u64 {
+        let mut pairs = 0;
+        while lanes != 0 {
+            pairs |= 1 << (self.bits >> (8 * lanes.trailing_zeros()) & 63);
+            lanes &= lanes - 1;
+        }
+        pairs
     }
 }

@@ -22,7 +22,6 @@ use super::block::{BlockCache, TriangleBlock};
 use super::cull::PairSets;
 use super::planes::{Planes, error_bound};
 use super::{Bvtt, TrianglePair};
-use crate::Aabb;
 use crate::exact::filter32::UNDERFLOW;
 use crate::simd::point8::{abs, chunk_starts, cross, difference, dot, highest, load, splat, sum};
 use crate::simd::{LANES, Simd};
@@ -81,7 +80,7 @@ impl MovingBlock<'_> {
     ) -> PairSets {
         let mut pairs = PairSets::default();
         let [start, end] = self.0;
-        let bounds = [around::<S>(&start.bounds), around::<S>(&end.bounds)];
+        let bounds = [start.around::<S>(), end.around()];
         let mut rows = other.overlapping(&grown(bounds, errors));
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
@@ -190,11 +189,6 @@ fn gaps<S: Simd>(block: &TriangleBlock, at: usize, [low, high]: &[[S; 3]; 2]) ->
     let [x, y, z] = difference(*low, load::<S>(&block.max, at));
     let [u, v, w] = difference(load::<S>(&block.min, at), *high);
     [x, y, z, u, v, w]
-}
-
-#[inline(always)]
-fn around<S: Simd>(Aabb { min: [a, b, c], max: [d, e, f] }: &Aabb) -> [[S; 3]; 2] {
-    [[S::splat(*a), S::splat(*b), S::splat(*c)], [S::splat(*d), S::splat(*e), S::splat(*f)]]
 }
 
 /// Boxes at both ends with their lower corners lowered by the errors, and the upper ones raised.

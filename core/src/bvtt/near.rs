@@ -7,9 +7,10 @@ use super::block::TriangleBlock;
 use super::cull::PairSets;
 use super::nearest::{Reach, certify};
 use super::planes::Planes;
+use crate::Mesh;
+use crate::aabb::Bounds;
 use crate::simd::point8::{Points, chunk_starts, difference, dot, highest, load, splat};
 use crate::simd::{LANES, Simd};
-use crate::{Aabb, Mesh};
 use glam::Vec3A;
 
 impl TriangleBlock {
@@ -36,9 +37,8 @@ impl TriangleBlock {
             S::splat(grown.y.next_up()),
             S::splat(grown.z.next_up()),
         ]);
-        let Aabb { min: [a, b, c], max: [d, e, f] } = self.bounds;
-        let low = [S::splat(a), S::splat(b), S::splat(c)];
-        let mut rows = other.overlapping(low, [S::splat(d), S::splat(e), S::splat(f)], around);
+        let [low, high] = self.around::<S>();
+        let mut rows = other.overlapping(low, high, around);
         // No shorter than the error, and without its square, which underflows.
         let error_length = error.max_element() * 1.733;
         let most = farthest_square((distance + error_length).next_up());
@@ -138,9 +138,8 @@ pub(super) fn farthest_square(reach: f32) -> f32 {
 
 /// A power of two by which the coordinates of two blocks, from a corner of theirs, become about 1 at most.
 #[inline]
-pub(super) fn scale(a: &Aabb, b: &Aabb) -> f32 {
-    let [a, b] = [a, b].map(|of| [of.min, of.max].map(Vec3A::from_array));
-    let extent = (a[1].max(b[1]) - a[0].min(b[0])).max_element();
+pub(super) fn scale(a: &Bounds, b: &Bounds) -> f32 {
+    let extent = (a.max.max(b.max) - a.min.min(b.min)).max_element();
     // Far from where products of six factors overflow.
     let exponent = (extent.to_bits() >> 23).clamp(27, 227);
     f32::from_bits((254 - exponent) << 23)

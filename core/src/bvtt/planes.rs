@@ -6,7 +6,9 @@
 use super::block::TriangleBlock;
 use crate::exact::filter32::{ERROR, MAX_EXTENT, UNDERFLOW};
 use crate::simd::Simd;
-use crate::simd::point8::{abs, cross, difference, dot, highest, load, lowest, select, splat};
+use crate::simd::point8::{
+    abs, cross, difference, dot, highest, load, lowest, pick, select, splat,
+};
 
 /// A triangle in each lane, with its supporting plane.
 pub(super) struct Planes<S> {
@@ -32,6 +34,24 @@ impl<S: Simd> Planes<S> {
         }
     }
 
+    /// Triangles of a block at some places, see [`Simd::pick`], in the lanes from `at` on.
+    #[inline(always)]
+    pub(super) fn pick(
+        block: &TriangleBlock,
+        places: u64,
+        at: usize,
+        error: Option<[S; 3]>,
+    ) -> Self {
+        let [p, q, r] = &block.corners;
+        Self {
+            error,
+            corners: [pick(p, places, at), pick(q, places, at), pick(r, places, at)],
+            vertices: pick(&block.vertices, places, at),
+            normal: pick(&block.normal, places, at),
+            extent: pick(&block.extent, places, at),
+        }
+    }
+
     /// One triangle of a block in every lane.
     #[inline(always)]
     pub(super) fn splat(block: &TriangleBlock, lane: usize, error: Option<[S; 3]>) -> Self {
@@ -51,6 +71,15 @@ impl<S: Simd> Planes<S> {
         let [p, q, r] = self.vertices;
         let [u, v, w] = other.vertices;
         [u.eq(p) | u.eq(q) | u.eq(r), v.eq(p) | v.eq(q) | v.eq(r), w.eq(p) | w.eq(q) | w.eq(r)]
+    }
+
+    /// Lanes in which both triangles have a vertex in common, or one whose key is NaN.
+    #[inline(always)]
+    pub(super) fn may_share_vertex(&self, other: &Self) -> u32 {
+        let ([p, q, r], [u, v, w]) = (self.vertices, other.vertices);
+        let are_known = p.eq(p) & q.eq(q) & r.eq(r) & u.eq(u) & v.eq(v) & w.eq(w);
+        let [u, v, w] = self.shared(other);
+        S::bits(u | v | w) | !S::bits(are_known)
     }
 
     /// The heights of the corners of `other` over this plane.

@@ -184,6 +184,10 @@ pub(super) fn root_bounds(bvh: &Bvh<'_>) -> Bounds {
 }
 
 /// A box that contains posed `bounds`.
+#[inline(always)]
 pub(super) fn posed(pose: Option<&Affine>, bounds: &Bounds) -> Bounds {
-    pose.map_or(*bounds, |pose| pose.bounds(bounds))
+    match pose {
+        Some(pose) => pose.bounds(bounds),
+        None => *bounds,
+    }
 }

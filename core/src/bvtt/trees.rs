@@ -75,7 +75,12 @@ pub(super) struct Shared<'a> {
 impl Shared<'_> {
     #[inline(always)]
     pub(super) fn is_certified(self, vertex: u32) -> bool {
-        self.none_is_hit || self.rings.get(vertex as usize).is_some_and(|ring| ring.is_certified())
+        self.none_is_hit || self.has_certified_ring(vertex)
+    }
+
+    #[inline(always)]
+    pub(super) fn has_certified_ring(self, vertex: u32) -> bool {
+        self.rings.get(vertex as usize).is_some_and(|ring| ring.is_certified())
     }
 }
 

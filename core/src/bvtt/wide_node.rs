@@ -2,7 +2,7 @@
 
 use super::NodePair;
 use crate::pose::Affine;
-use crate::simd::Box4;
+use crate::simd::{Box4, VECTORS};
 use crate::{Bvh, Node};
 
 /// The grandchildren of a node, with their posed boxes. A leaf counts as its only child.
@@ -46,15 +46,19 @@ impl WideNode {
         other: &Self,
         mut push: impl FnMut(NodePair),
     ) -> u32 {
-        for (row, &b) in other.nodes.iter().take(other.len).enumerate() {
+        // Bit 4·row + column. All tests come before the first branch on one, since none can be predicted.
+        let mut found = 0;
+        for row in 0..if VECTORS { self.nodes.len() } else { other.len } {
             // With `SELF` only columns up to the row are taken, so that each unordered pair comes once.
             let columns = if SELF { row + 1 } else { self.len };
-            let mut found = self.boxes.overlapping(&other.boxes.splat(row)) & ((1 << columns) - 1);
-            while found != 0 {
-                let a = self.nodes[found.trailing_zeros() as usize % self.nodes.len()];
-                push(NodePair { a, b });
-                found &= found - 1;
-            }
+            let overlapping = self.boxes.overlapping(&other.boxes.splat(row));
+            found |= (overlapping & ((1 << columns) - 1)) << (4 * row);
+        }
+        found &= (1 << (4 * other.len)) - 1;
+        while found != 0 {
+            let bit = found.trailing_zeros() as usize;
+            push(NodePair { a: self.nodes[bit % 4], b: other.nodes[bit / 4 % 4] });
+            found &= found - 1;
         }
         let tests = if SELF { self.len * (self.len - 1) / 2 } else { self.len * other.len };
         tests as u32

@@ -95,6 +95,11 @@ impl Simd for Avx {
         *to = bytemuck::must_cast(self.0);
     }
     #[inline(always)]
+    fn pick(from: &[f32; LANES], places: u64, at: usize) -> Self {
+        let places = call!(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(places.cast_signed())));
+        Self(call!(_mm256_permutevar8x32_ps(Self::load(from, at).0, places)))
+    }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self(call!(_mm256_min_ps(self.0, other.0)))
     }

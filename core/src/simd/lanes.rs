@@ -29,6 +29,8 @@ pub(crate) trait Simd:
     /// The lanes from `at` on, a multiple of the width.
     fn load(from: &[f32; LANES], at: usize) -> Self;
     fn store(self, to: &mut [f32; LANES], at: usize);
+    /// For each lane from `at` on, the float at its place: the lowest three bits of a byte of `places`.
+    fn pick(from: &[f32; LANES], places: u64, at: usize) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     fn abs(self) -> Self;
@@ -61,6 +63,10 @@ impl Simd for f32 {
     #[inline(always)]
     fn store(self, to: &mut [f32; LANES], at: usize) {
         to[at % LANES] = self;
+    }
+    #[inline(always)]
+    fn pick(from: &[f32; LANES], places: u64, at: usize) -> Self {
+        from[(places >> (8 * at)) as usize % LANES]
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {

@@ -17,6 +17,11 @@ pub(crate) fn load<S: Simd>(p: &Points, at: usize) -> [S; 3] {
 }
 
 #[inline(always)]
+pub(crate) fn pick<S: Simd>(p: &Points, places: u64, at: usize) -> [S; 3] {
+    [S::pick(&p[0], places, at), S::pick(&p[1], places, at), S::pick(&p[2], places, at)]
+}
+
+#[inline(always)]
 pub(crate) fn splat<S: Simd>(p: &Points, lane: usize) -> [S; 3] {
     [S::splat(p[0][lane]), S::splat(p[1][lane]), S::splat(p[2][lane])]
 }

@@ -47,6 +47,11 @@ impl Simd for Portable {
         *to = [a, b, c, d, e, f, g, h];
     }
     #[inline(always)]
+    fn pick(from: &[f32; LANES], places: u64, at: usize) -> Self {
+        let picked = places.to_le_bytes().map(|place| from[place as usize % LANES]);
+        Self::load(&picked, at)
+    }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self(self.0.min(other.0), self.1.min(other.1))
     }
