@@ -70,8 +70,8 @@ pub(super) fn all() -> Option<Pool> {
 }
 
 /// The most subjects that are asked about at once. Each takes some 200 bytes with its node of the front, so that all of them take
-/// 50 MiB at most, however many pairs a frame has.
-const BATCH: usize = 1 << 18;
+/// 13 MiB at most, however many pairs a frame has.
+const BATCH: usize = 1 << 16;
 
 /// A query on the threads of a pool.
 #[derive(Clone, Debug)]

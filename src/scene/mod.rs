@@ -56,7 +56,7 @@ use std::ops::ControlFlow;
 /// # Threads
 /// On [`Executor::threads`] all pairs of bodies that have to be asked are one frame, which, if it is worth several
 /// threads, is divided among the workers by one front under one bound (Zhang & Kim 2014, eq. 5). The cost of a pair of bodies is
-/// remembered from one frame to the next in which it is asked. More pairs than 262,144 are asked in batches of as
+/// remembered from one frame to the next in which it is asked. More pairs than 65,536 are asked in batches of as
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
 /// # GPU
