@@ -54,47 +54,25 @@ pub trait Queries: Sync {
     }
 }
 
-impl<Q: Query + Sync> Queries for [Q] {
-    type Query<'q>
-        = &'q Q
-    where
-        Self: 'q;
+macro_rules! list_of_queries {
+    ($list:ty $(, const $n:ident)?) => {
+        impl<Q: Query + Sync $(, const $n: usize)?> Queries for $list {
+            type Query<'q>
+                = &'q Q
+            where
+                Self: 'q;
 
-    fn len(&self) -> usize {
-        self.len()
-    }
+            fn len(&self) -> usize {
+                <[Q]>::len(self)
+            }
 
-    fn query(&self, number: u32) -> &Q {
-        &self[number as usize]
-    }
+            fn query(&self, number: u32) -> &Q {
+                &self[number as usize]
+            }
+        }
+    };
 }
 
-impl<Q: Query + Sync, const N: usize> Queries for [Q; N] {
-    type Query<'q>
-        = &'q Q
-    where
-        Self: 'q;
-
-    fn len(&self) -> usize {
-        N
-    }
-
-    fn query(&self, number: u32) -> &Q {
-        &self[number as usize]
-    }
-}
-
-impl<Q: Query + Sync> Queries for Vec<Q> {
-    type Query<'q>
-        = &'q Q
-    where
-        Self: 'q;
-
-    fn len(&self) -> usize {
-        self.len()
-    }
-
-    fn query(&self, number: u32) -> &Q {
-        &self[number as usize]
-    }
-}
+list_of_queries!([Q]);
+list_of_queries!([Q; N], const N);
+list_of_queries!(Vec<Q>);
