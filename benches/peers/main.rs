@@ -1,7 +1,6 @@
 //! How fast pfront is beside others: update and query, on one thread, all pairs that meet.
 //!
-//! `cargo bench --bench peers` measures pfront, which is exact, against parry3d, and with
-//! `--features bench-embree` against Embree, which Debian has as libembree-dev. Times are those of one
+//! `cargo bench --bench peers` measures pfront, which is exact, against parry3d. Times are those of one
 //! frame, the mean over the frames of a workload; posing and refitting are part of it, except in "query
 //! alone", and building is not. Everybody makes a list of the hits; only pfront sorts it.
 //!
@@ -15,8 +14,8 @@
 //! - "flush contact": two voxel solids on one grid, whose faces are coplanar and overlap or touch.
 //! - "first hit": whether two bodies meet, and "no hit": the same where they miss each other narrowly.
 //!
-//! Who is measured: "parry" tests two triangles by parry's own GJK. Each "+ fast test" is parry's or
-//! Embree's BVH under the same plain f32 test, [`pfront_testkit::inexact::fast`], so that the trees are
+//! Who is measured: "parry" tests two triangles by parry's own GJK. Each "+ fast test" is parry's BVH
+//! under the same plain f32 test, [`pfront_testkit::inexact::fast`], so that the trees are
 //! compared. A "posed" tree is not refitted: boxes and triangles are posed as they are met, by a
 //! quaternion, which rounds, so that flush contact is missed.
 //!
@@ -26,8 +25,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
-#[cfg(feature = "bench-embree")]
-mod embree;
 mod ours;
 mod parry;
 mod work;
@@ -62,8 +59,6 @@ fn all_pairs(c: &mut Criterion) {
         if work.meshes.len() == 2 {
             finders.push(("parry posed tree + fast test", parry::posed(work, parry::fast)));
         }
-        #[cfg(feature = "bench-embree")]
-        finders.push(("Embree tree + fast test", embree::all(work)));
         let mut group = group(c, &work.name);
         for (name, mut finder) in finders {
             judge(work, name, finder.as_mut(), &truth);
@@ -86,8 +81,6 @@ fn any_pair(c: &mut Criterion) {
         ];
         if *count == 0 {
             finders.push(("parry tree + fast test", parry::all(work, parry::fast)));
-            #[cfg(feature = "bench-embree")]
-            finders.push(("Embree tree + fast test", embree::all(work)));
         }
         let mut group = group(c, &work.name);
         for (name, mut finder) in finders {

@@ -26,11 +26,6 @@ impl<R: Read + Seek> Reader<R> {
         Ok(reader)
     }
 
-    /// Bytes left.
-    pub(crate) fn left(&self) -> u64 {
-        self.length - self.offset
-    }
-
     /// An error about something `back` bytes ago.
     pub(crate) fn invalid(&self, back: u64, what: impl std::fmt::Display) -> Error {
         anyhow!("at byte {}: {what}", self.offset - back)
@@ -41,12 +36,12 @@ impl<R: Read + Seek> Reader<R> {
         let needed = count.saturating_mul(size as u64);
         let length = self.length;
         let few = || format!("the file has {length} bytes, too few for {what} ({needed} bytes)");
-        if needed <= self.left() { Ok(()) } else { Err(self.invalid(0, few())) }
+        if needed <= length - self.offset { Ok(()) } else { Err(self.invalid(0, few())) }
     }
 
     /// Checks that nothing follows so many bytes, which are `what`.
     pub(crate) fn ends_after(&self, what: &str, bytes: u64) -> Result<()> {
-        match self.left() - bytes {
+        match self.length - self.offset - bytes {
             0 => Ok(()),
             left => Err(self.invalid(0, format!("{left} bytes more than {what} take"))),
         }

@@ -12,9 +12,7 @@ const MAGIC: &[u8; 8] = b"TRICOLP1";
 
 /// Writes a pair file; it is whole after as many frames as announced.
 #[derive(Debug)]
-pub struct PairWriter<W> {
-    to: W,
-}
+pub struct PairWriter<W>(W);
 
 impl<W: Write> PairWriter<W> {
     /// Begins a file of `frames` frames.
@@ -24,17 +22,17 @@ impl<W: Write> PairWriter<W> {
     pub fn new(mut to: W, frames: u32) -> io::Result<Self> {
         to.write_all(MAGIC)?;
         write_words(&mut to, &[frames, 0])?;
-        Ok(Self { to })
+        Ok(Self(to))
     }
 
     /// Writes the sorted pairs of the next frame.
     pub fn frame(&mut self, pairs: &[TrianglePair]) -> io::Result<()> {
-        self.to.write_all(&(pairs.len() as u64).to_le_bytes())?;
-        write_words(&mut self.to, pairs)
+        self.0.write_all(&(pairs.len() as u64).to_le_bytes())?;
+        write_words(&mut self.0, pairs)
     }
 
     /// Gives back where it was written to, which may have a buffer.
     pub fn finish(self) -> W {
-        self.to
+        self.0
     }
 }

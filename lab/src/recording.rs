@@ -42,7 +42,10 @@ impl Recording {
         if Scene::NAMES.contains(&name) {
             let scene = Box::new(Scene::by_name(name, size)?);
             let frames = frames.map_or_else(|| u32::try_from(scene.frames()), Ok)?;
-            return Ok((header(&scene, frames), Self::made(Motion::Scene(scene), frames)));
+            let objects = scene.objects.iter().map(|&mesh| mesh as u32).collect();
+            let (kind, meshes) = (scene.kind(), scene.meshes.clone());
+            let header = Header { kind, meshes, objects, frames };
+            return Ok((header, Self::made(Motion::Scene(scene), frames)));
         }
         ensure!(size.is_none(), "--size is for {}", scenes());
         let is_mesh = |file: &str| {
@@ -123,15 +126,5 @@ impl Recording {
             Motion::Turns(all) => return Ok(Some(Frame::Positions(&all[frame % all.len()]))),
         }
         Ok(Some(Frame::Poses(poses)))
-    }
-}
-
-/// The header of a built-in scene: all that its frames have in common.
-pub(crate) fn header(scene: &Scene, frames: u32) -> Header {
-    Header {
-        kind: scene.kind(),
-        meshes: scene.meshes.clone(),
-        objects: scene.objects.iter().map(|&mesh| mesh as u32).collect(),
-        frames,
     }
 }

@@ -8,6 +8,7 @@ use super::progress;
 use anyhow::{Result, ensure};
 use clap::Args;
 use pfront::Executor;
+use pfront::executor::Backend as By;
 use pfront_cli::executor::{Backend, adapter_name, number, parse_threads, threads};
 use pfront_cli::output::out;
 use pfront_lab::median;
@@ -133,16 +134,19 @@ fn race(case: &Case, lanes: &Lanes, rounds: usize) -> Result<(Vec<Vec<f64>>, [us
     let mut answered = [0; 5];
     for (name, executor) in lanes {
         let mut digests = Vec::new();
-        let choices = &mut answered;
-        *choices = [0; 5];
+        answered = [0; 5];
         play(case, executor, |player| {
             let mut hasher = DefaultHasher::new();
             player.all()?.hash(&mut hasher);
             digests.push(hasher.finish());
-            choices[0] += 1;
-            if let Some(plan) = player.plan() {
-                choices[1 + plan_kind(plan)] += 1;
-            }
+            answered[0] += 1;
+            let by = player.plan().map(|plan| match plan.backend {
+                By::Cached => 1,
+                By::Threads => 3,
+                By::Gpu => 4,
+                _ => 2,
+            });
+            by.into_iter().for_each(|by: usize| answered[by] += 1);
             Ok(())
         })?;
         let first = expected.get_or_insert_with(|| digests.clone());
@@ -158,16 +162,6 @@ fn race(case: &Case, lanes: &Lanes, rounds: usize) -> Result<(Vec<Vec<f64>>, [us
         }
     }
     Ok((times, answered))
-}
-
-fn plan_kind(plan: &pfront::executor::Plan) -> usize {
-    use pfront::executor::Backend;
-    match plan.backend {
-        Backend::Cached => 0,
-        Backend::Threads => 2,
-        Backend::Gpu => 3,
-        _ => 1,
-    }
 }
 
 /// The time that a whole case takes: making the query, which uploads what a GPU needs, and all frames. Models are there.
