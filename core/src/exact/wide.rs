@@ -50,46 +50,36 @@ impl<const N: usize> Wide<N> {
         if self.is_negative { -magnitude } else { magnitude }
     }
 
-    pub(super) fn sign(&self) -> i32 {
-        match (self.len(), self.is_negative) {
-            (0, _) => 0,
-            (_, true) => -1,
-            (_, false) => 1,
-        }
-    }
-}
-
-impl<const N: usize> Add for Wide<N> {
-    type Output = Self;
+    /// The sum, or the difference. By reference, since copies of both would take as long as the sum.
     #[inline(never)]
-    fn add(self, other: Self) -> Self {
-        let differ = self.is_negative != other.is_negative;
-        let is_less = self.limbs.iter().rev().lt(other.limbs.iter().rev());
-        let (mut sum, other) = if differ && is_less { (other, &self) } else { (self, &other) };
+    fn sum(&self, other: &Self, is_subtracted: bool) -> Self {
+        let is_negative = other.is_negative != is_subtracted;
+        let differ = self.is_negative != is_negative;
+        // Of the limbs most are zero in most numbers.
+        let len = self.len().max(other.len());
+        let is_less =
+            differ && self.limbs.iter().take(len).rev().lt(other.limbs.iter().take(len).rev());
+        let (mut sum, other) =
+            if is_less { (Self { is_negative, ..*other }, self) } else { (*self, other) };
         // The identity !x = −x − 1 makes a sum of the difference of the magnitudes.
         let flip = if differ { u64::MAX } else { 0 };
         let mut carry = false;
-        for (x, y) in sum.limbs.iter_mut().zip(other.limbs) {
-            let (next, first) = (*x ^ flip).overflowing_add(y);
+        let mut limbs = sum.limbs.iter_mut();
+        for (x, y) in limbs.by_ref().take(len).zip(&other.limbs) {
+            let (next, first) = (*x ^ flip).overflowing_add(*y);
             let (next, second) = next.overflowing_add(u64::from(carry));
             (*x, carry) = (next ^ flip, first || second);
         }
-        debug_assert!(!carry, "a sum fits N limbs");
+        if carry {
+            let next = limbs.next();
+            debug_assert!(next.is_some(), "a sum fits N limbs");
+            next.into_iter().for_each(|next| *next = 1);
+        }
         sum
     }
-}
 
-impl<const N: usize> Sub for Wide<N> {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + Self { is_negative: !other.is_negative, ..other }
-    }
-}
-
-impl<const N: usize> Mul for Wide<N> {
-    type Output = Self;
     #[inline(never)]
-    fn mul(self, other: Self) -> Self {
+    fn product(&self, other: &Self) -> Self {
         let mut limbs = [0; N];
         let len = other.len();
         for (i, &x) in self.limbs.iter().enumerate().filter(|(_, x)| **x != 0) {
@@ -105,6 +95,38 @@ impl<const N: usize> Mul for Wide<N> {
             debug_assert!(carry == 0, "a product fits N limbs");
         }
         Self { limbs, is_negative: self.is_negative != other.is_negative }
+    }
+
+    pub(super) fn sign(&self) -> i32 {
+        match (self.len(), self.is_negative) {
+            (0, _) => 0,
+            (_, true) => -1,
+            (_, false) => 1,
+        }
+    }
+}
+
+impl<const N: usize> Add for Wide<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.sum(&other, false)
+    }
+}
+
+impl<const N: usize> Sub for Wide<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.sum(&other, true)
+    }
+}
+
+impl<const N: usize> Mul for Wide<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.product(&other)
     }
 }
 

@@ -104,7 +104,7 @@ fn lattice_pair(rng: &mut ChaCha8Rng) -> ([MeshData; 2], Truth) {
 fn relations_of_lattice_solids_are_those_of_their_cells() {
     let mut rng = numbers(44);
     let mut counts = std::collections::BTreeMap::new();
-    for round in 0..rounds(3_000) {
+    for round in 0..rounds(1_500) {
         let ([a, b], truth) = lattice_pair(&mut rng);
         let found = between(&a, &b, Pose::IDENTITY);
         let word = found.relation.map(Relation::as_str);

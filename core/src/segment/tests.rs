@@ -97,7 +97,7 @@ fn check(segment: Segment, meshes: &[PosedBvh<'_>], truth: &[Vec<Option<(i128, i
 #[test]
 fn segments_meet_what_fractions_say_in_every_precision() {
     let (mut rng, mut hits) = (seeded(47), 0);
-    for round in 0..if cfg!(miri) { 4 } else { 1_500 } {
+    for round in 0..if cfg!(miri) { 4 } else { 600 } {
         let soups = [round % 2 == 0, round % 3 == 0];
         let triangles = soups.map(|is_soup| corners(&mut rng, is_soup));
         // The second mesh is turned and moved, without rounding.
@@ -172,7 +172,7 @@ fn segments_meet_what_fractions_say_in_every_precision() {
         }
     }
     std::println!("{hits} hits");
-    assert!(cfg!(miri) || hits > 100_000, "{hits}");
+    assert!(cfg!(miri) || hits > 40_000, "{hits}");
 }
 
 /// Two planes that a long segment passes so close to one another that f64 holds both parameters as one number.

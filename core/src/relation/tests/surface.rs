@@ -56,7 +56,7 @@ fn truth_of_sides(sides: &MeshData, cells: &Cells) -> (Relation, bool) {
 fn surfaces_are_to_solids_what_their_squares_are_to_the_cells() {
     let mut rng = numbers(50);
     let mut counts = std::collections::BTreeMap::new();
-    for round in 0..rounds(3_000) {
+    for round in 0..rounds(1_500) {
         let [own, other] = pair(&mut rng);
         let mut a = own.mesh(rng.random_range(0..4) == 0, &mut rng);
         let keep = rng.random_range(1..=6);
