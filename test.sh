@@ -21,7 +21,7 @@ fi
 if [ -f "$PFRONT_DATA/oracle/cases.json" ]; then
   features=recorded,$features
 else
-  left_out+=("tests/recorded.rs and tests/recorded_gpu.rs, for want of $PFRONT_DATA/oracle/cases.json (set PFRONT_DATA)")
+  left_out+=("tests/recorded, for want of $PFRONT_DATA/oracle/cases.json (set PFRONT_DATA)")
 fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT

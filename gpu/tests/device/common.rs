@@ -4,7 +4,7 @@ use pfront_core::bvh::node_bound;
 use pfront_core::bvh::{self, BuildOptions, BvhStorage};
 use pfront_core::bvtt::{self, Query, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose};
-use pfront_gpu::{Gpu, GpuModel};
+use pfront_gpu::{Arithmetic, Gpu, GpuModel};
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
@@ -12,6 +12,15 @@ use std::sync::OnceLock;
 pub(crate) fn gpu() -> &'static Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     GPU.get_or_init(|| Gpu::new().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// The same device with each arithmetic, whose passes are compiled once for all tests.
+pub(crate) fn gpu_with(arithmetic: Arithmetic) -> &'static Gpu {
+    static OTHERS: [OnceLock<Gpu>; 3] = [const { OnceLock::new() }; 3];
+    if arithmetic == gpu().arithmetic() {
+        return gpu();
+    }
+    OTHERS[arithmetic as usize].get_or_init(|| gpu().with_arithmetic(arithmetic).unwrap())
 }
 
 /// A mesh with its BVH, and both on the device.

@@ -1,6 +1,6 @@
 //! Two meshes in f64: what the device is sure of by their shadows, and what it leaves open, are the whole answer together.
 
-use crate::common::{gpu, sorted};
+use crate::common::{gpu, gpu_with, sorted};
 use pfront_core::bvh::{self, BuildOptions, BvhStorage, node_bound};
 use pfront_core::bvtt::{PairBvtt, TrianglePair};
 use pfront_core::{Bvh, Mesh, Node, Pose, Pose64};
@@ -123,14 +123,14 @@ fn flush_surfaces_with_little_memory_and_every_arithmetic() {
     let flat = sheet(7, |_, _| 0.0);
     let (a, b) = (Exact::new(&flat, FAR, &mut rng), Exact::new(&flat, FAR, &mut rng));
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {
-        let gpu = gpu().with_arithmetic(arithmetic).unwrap();
+        let gpu = gpu_with(arithmetic);
         let shifts = [[0.1, 0.05, 0.0], [0.0; 3], [0.0, 0.0, 1e-9], [2.0, 0.0, 0.0]];
         for (budget, shifts) in [(Budget::default(), &shifts[..]), (Budget::LEAST, &shifts[..1])] {
             let settings = pfront_gpu::GpuSettings { budget, ..gpu.settings() };
-            let mut query = GpuQuery::with_settings(&gpu, settings).unwrap();
+            let mut query = GpuQuery::with_settings(gpu, settings).unwrap();
             for &t in shifts {
                 let pose = Pose64::from_translation(t);
-                let [found, open] = check(&gpu, &mut query, &a, &b, &pose);
+                let [found, open] = check(gpu, &mut query, &a, &b, &pose);
                 assert!(open >= found.min(1), "{t:?} {found} {open}");
             }
         }

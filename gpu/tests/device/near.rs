@@ -1,6 +1,6 @@
 //! Pairs within a distance: what the device is sure of, and what it leaves open, are the whole answer together.
 
-use crate::common::{Both, gpu, sorted};
+use crate::common::{Both, gpu, gpu_with, sorted};
 use crate::in_f64::{Exact, FAR, around};
 use pfront_core::bvtt::{PairBvtt, TrianglePair};
 use pfront_core::triangle::within;
@@ -145,10 +145,10 @@ fn flush_gaps() {
     let gap = 0.3_f32;
     let pose = Pose::from_translation([0.1, 0.05, gap]);
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {
-        let gpu = gpu().with_arithmetic(arithmetic).unwrap();
+        let gpu = gpu_with(arithmetic);
         for budget in [Budget::default(), Budget::LEAST] {
             let settings = GpuSettings { budget, ..gpu.settings() };
-            let mut query = GpuQuery::with_settings(&gpu, settings).unwrap();
+            let mut query = GpuQuery::with_settings(gpu, settings).unwrap();
             let mut found = [gap.next_down(), gap].map(|distance| {
                 check_pair(&mut query, [&a, &b], &pose, Distance::new(distance).unwrap())[0]
             });

@@ -1,6 +1,6 @@
 //! Two meshes: scenes, soups of every hard family, every setting, and the verbs.
 
-use crate::common::{Both, gpu, sorted, truth};
+use crate::common::{Both, gpu, gpu_with, sorted, truth};
 use pfront_core::{Pose, bvtt};
 use pfront_gpu::{
     Arithmetic, Budget, Gpu, GpuError, GpuModel, GpuQuery, GpuQuestion, GpuSettings, GpuVerb, wgpu,
@@ -396,8 +396,8 @@ fn any_question_follows_any_other() {
 #[test]
 fn integers_pose_to_the_same_bits() {
     let mut rng = seeded(13);
-    let gpu = gpu().with_arithmetic(Arithmetic::Integer).unwrap();
-    let mut query = GpuQuery::new(&gpu).unwrap();
+    let gpu = gpu_with(Arithmetic::Integer);
+    let mut query = GpuQuery::new(gpu).unwrap();
     for f in [Family::Random, Family::CoplanarRotated, Family::Scaled, Family::Subnormal] {
         let soups = [0; 2].map(|_| both(&family(f, 100, &mut rng)));
         check(&mut query, &soups[0], &soups[1], &Pose::new(pose_rows(0.1, &mut rng)));

@@ -1,6 +1,6 @@
 //! Many bodies: scenes, random courses, bodies that come and go, and poses at the ends of the range.
 
-use crate::common::{Both, gpu};
+use crate::common::{Both, gpu, gpu_with};
 use crate::world::{Scene, part};
 use pfront_core::{MeshError, Pose};
 use pfront_gpu::{Arithmetic, BodyPair, Budget, Gpu, GpuError, GpuSettings, GpuVerb, World, wgpu};
@@ -161,8 +161,8 @@ fn poses_at_the_ends_of_the_range() {
 #[test]
 fn whatever_the_adapter_does_to_subnormal_numbers() {
     for arithmetic in [Arithmetic::Flushing, Arithmetic::Integer] {
-        let gpu = gpu().with_arithmetic(arithmetic).unwrap();
-        hard_cases(&gpu, &[Family::Random, Family::MixedScale, Family::Subnormal], 33);
+        let gpu = gpu_with(arithmetic);
+        hard_cases(gpu, &[Family::Random, Family::MixedScale, Family::Subnormal], 33);
     }
 }
 
