@@ -55,7 +55,7 @@ impl<const N: usize> Wide<N> {
     fn sum(&self, other: &Self, is_subtracted: bool) -> Self {
         let is_negative = other.is_negative != is_subtracted;
         let differ = self.is_negative != is_negative;
-        // Of the limbs most are zero in most numbers.
+        // Most limbs of most numbers are zero.
         let len = self.len().max(other.len());
         let is_less =
             differ && self.limbs.iter().take(len).rev().lt(other.limbs.iter().take(len).rev());
