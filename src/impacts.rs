@@ -28,8 +28,7 @@ impl PairQuery {
         a: &Motion<'_>,
         b: &Motion<'_>,
     ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
-        let history = self.query.history();
-        with_default(|| all(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
+        self.ask(a, b, all)
     }
 
     /// The pair of triangles that meets first, by `from` and then by the pair, and when, if any does.
@@ -44,8 +43,63 @@ impl PairQuery {
         a: &Motion<'_>,
         b: &Motion<'_>,
     ) -> Result<Option<(TrianglePair, Impact)>, Error> {
+        self.ask(a, b, first)
+    }
+
+    /// Some pair of triangles that meets while both move, with when it does, if any does: one that certainly meets, unless all that
+    /// [`PairQuery::impacts`] has are open. So nothing meets if there is none, something certainly does if it is
+    /// [proven](Impact::is_proven), and else that is open. Executors may name different pairs.
+    ///
+    /// # Errors
+    /// As [`PairQuery::impacts`].
+    ///
+    /// # Complexity
+    /// Stops at the first pair that certainly meets, whenever that is; what meets nowhere takes as long as [`PairQuery::impacts`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, Motion, PairQuery, Pose};
+    /// let tile = Model::new(vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let at = |z| Pose::from_translation([0.0, 0.0, z]);
+    /// let (mut query, rest) = (PairQuery::new(), Motion::at_rest(&tile));
+    /// assert!(query.any_impact(&rest, &Motion::new(&tile, at(1.0), at(0.25))?)?.is_none());
+    /// let (_, impact) = query.any_impact(&rest, &Motion::new(&tile, at(1.0), at(-3.0))?)?.expect("it flies through");
+    /// assert!(impact.is_proven());
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn any_impact(
+        &mut self,
+        a: &Motion<'_>,
+        b: &Motion<'_>,
+    ) -> Result<Option<(TrianglePair, Impact)>, Error> {
+        self.ask(a, b, any)
+    }
+
+    /// How many pairs of triangles meet while both move: at least the first number, of those that certainly do, and at most the second, of all
+    /// that [`PairQuery::impacts`] has. The same from every executor, and no list is kept.
+    ///
+    /// # Errors
+    /// As [`PairQuery::impacts`].
+    ///
+    /// # Complexity
+    /// The time of [`PairQuery::impacts`], but for its list.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Motion, PairQuery, Pose};
+    /// # let tile = Model::new(vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let at = |z| Pose::from_translation([0.0, 0.0, z]);
+    /// let (mut query, rest) = (PairQuery::new(), Motion::at_rest(&tile));
+    /// assert_eq!(query.count_impacts(&rest, &Motion::new(&tile, at(1.0), at(-3.0))?)?, [1, 1]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn count_impacts(&mut self, a: &Motion<'_>, b: &Motion<'_>) -> Result<[u64; 2], Error> {
+        self.ask(a, b, count)
+    }
+
+    fn ask<T>(&mut self, a: &Motion<'_>, b: &Motion<'_>, verb: Verb<T>) -> Result<T, Error> {
         let history = self.query.history();
-        with_default(|| first(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
+        with_default(|| verb(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
     }
 }
 
@@ -59,10 +113,7 @@ impl SelfQuery {
     /// # Examples
     /// See [`Motion::between`].
     pub fn impacts(&mut self, motion: &Motion<'_>) -> Result<Vec<(TrianglePair, Impact)>, Error> {
-        let adjacency = self.adjacency();
-        let history = self.history();
-        let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency);
-        with_default(|| all(history, AnyMovingBvtt::Itself(tree())))
+        self.ask(motion, all)
     }
 
     /// The pair of triangles of one model that meets first while it deforms.
@@ -73,12 +124,38 @@ impl SelfQuery {
         &mut self,
         motion: &Motion<'_>,
     ) -> Result<Option<(TrianglePair, Impact)>, Error> {
+        self.ask(motion, first)
+    }
+
+    /// Some pair of triangles of one model that meets while it deforms, as [`PairQuery::any_impact`] has it.
+    ///
+    /// # Errors
+    /// As [`PairQuery::impacts`].
+    pub fn any_impact(
+        &mut self,
+        motion: &Motion<'_>,
+    ) -> Result<Option<(TrianglePair, Impact)>, Error> {
+        self.ask(motion, any)
+    }
+
+    /// How many pairs of triangles of one model meet while it deforms, as [`PairQuery::count_impacts`] has it.
+    ///
+    /// # Errors
+    /// As [`PairQuery::impacts`].
+    pub fn count_impacts(&mut self, motion: &Motion<'_>) -> Result<[u64; 2], Error> {
+        self.ask(motion, count)
+    }
+
+    fn ask<T>(&mut self, motion: &Motion<'_>, verb: Verb<T>) -> Result<T, Error> {
         let adjacency = self.adjacency();
         let history = self.history();
         let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency);
-        with_default(|| first(history, AnyMovingBvtt::Itself(tree())))
+        with_default(|| verb(history, AnyMovingBvtt::Itself(tree())))
     }
 }
+
+/// A verb about the one subject of a query.
+type Verb<T> = fn(&mut History<()>, AnyMovingBvtt<'_>) -> Result<T, Error>;
 
 /// All pairs of one subject, sorted.
 fn all(
@@ -97,6 +174,19 @@ fn first(
     tree: AnyMovingBvtt<'_>,
 ) -> Result<Option<(TrianglePair, Impact)>, Error> {
     impacts::first_impact(history, subject(&tree).as_slice(), |()| Some(((), tree)), None)
+}
+
+/// Some pair of one subject.
+fn any(
+    history: &mut History<()>,
+    tree: AnyMovingBvtt<'_>,
+) -> Result<Option<(TrianglePair, Impact)>, Error> {
+    impacts::any_impact(history, subject(&tree).as_slice(), |()| Some(((), tree)))
+}
+
+/// How many pairs of one subject certainly meet, and how many do or are open.
+fn count(history: &mut History<()>, tree: AnyMovingBvtt<'_>) -> Result<[u64; 2], Error> {
+    impacts::count(history, subject(&tree).as_slice(), |()| Some(((), tree)))
 }
 
 /// The only subject, if its boxes overlap at a time.

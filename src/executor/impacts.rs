@@ -1,11 +1,12 @@
-//! Impacts: which triangles of some subjects meet while these move, and when first, on the CPU of an executor.
+//! Impacts: which triangles of some subjects meet while these move, whether any do, how many, and when first, on the CPU of an executor.
 
-use super::{CpuPart, History, Named, check};
+use super::{CpuPart, Executor, History, Named, check};
 use crate::memory::push;
 use crate::{Error, Impact, TrianglePair};
 use pfront_core::bvtt::{AnyBvtt, Cursor, NodePair, Query, Work};
 use pfront_core::motion::MovingBvtt;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 /// The BVTT of two meshes that move, of one that deforms and itself, or of what rests.
@@ -92,34 +93,116 @@ pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Sync>(
     tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
     all: &mut Vec<(F, Impact)>,
 ) -> Result<(), Error> {
-    let part = CpuPart::new();
+    let list = |name, tree: &AnyMovingBvtt<'_>, n, out: &mut Vec<(F, Impact)>| {
+        let mut pushed = Ok(());
+        tree.visit_below(n, |pair, impact| {
+            pushed = push(out, (F::new(name, pair), impact));
+            if pushed.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        pushed.map(ControlFlow::Continue)
+    };
+    by_node_pairs(history, subjects, tree, front_of(subjects), list, all)
+}
+
+/// How many pairs certainly meet, and how many do or are open.
+///
+/// # Errors
+/// As [`impacts`].
+pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Sync>(
+    history: &mut History<N>,
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
+) -> Result<[u64; 2], Error> {
+    let counts = [AtomicU64::new(0), AtomicU64::new(0)];
+    let add = |_, tree: &AnyMovingBvtt<'_>, n, _: &mut Vec<()>| {
+        let (mut proven, mut all) = (0, 0);
+        tree.visit_below(n, |_, impact| {
+            proven += u64::from(impact.is_proven());
+            all += 1;
+            ControlFlow::Continue(())
+        });
+        counts[0].fetch_add(proven, Relaxed);
+        counts[1].fetch_add(all, Relaxed);
+        Ok(ControlFlow::Continue(()))
+    };
+    by_node_pairs(history, subjects, tree, front_of(subjects), add, &mut Vec::new())?;
+    Ok(counts.map(AtomicU64::into_inner))
+}
+
+/// A pair that certainly meets, the first that is found; if there is none, one that is open, if any is.
+///
+/// # Errors
+/// As [`impacts`].
+pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
+    history: &mut History<F::Name>,
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
+) -> Result<Option<(F, Impact)>, Error> {
+    let found = Mutex::new(None);
+    let search = |name, tree: &AnyMovingBvtt<'_>, n, _: &mut Vec<()>| {
+        let mut end = ControlFlow::Continue(());
+        tree.visit_below(n, |pair, impact| {
+            let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
+            if impact.is_proven() {
+                end = ControlFlow::Break(());
+            }
+            if end.is_break() || found.is_none() {
+                *found = Some((F::new(name, pair), impact));
+            }
+            end
+        });
+        Ok(end)
+    };
+    let front = if is_whole(history.executor()) { 1 } else { front_of(subjects) };
+    by_node_pairs(history, subjects, tree, front, search, &mut Vec::new())?;
+    Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Asks about all subjects by node pairs, at least `share` of each, on the threads of the executor, until `ask` breaks. It adds to a list.
+///
+/// # Errors
+/// Every error of `ask`, and as [`impacts`].
+fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
+    history: &mut History<N>,
+    subjects: &[MovingSubject<S>],
+    tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
+    share: usize,
+    ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<R>) -> Result<ControlFlow<()>, Error> + Sync,
+    out: &mut Vec<R>,
+) -> Result<(), Error> {
+    let (part, has_ended) = (CpuPart::new(), AtomicBool::new(false));
     let listed = {
         let flag = history.executor().cancel_flag();
-        let list = |front: &[(MovingSubject<S>, NodePair)], out: &mut Vec<(F, Impact)>| {
+        let list = |front: &[(MovingSubject<S>, NodePair)], out: &mut Vec<R>| {
             part.works();
             for of_one in front.chunk_by(|x, y| x.0 == y.0) {
                 let Some((name, tree)) = tree(of_one[0].0.subject) else { continue };
                 for &(_, n) in of_one {
                     check(flag)?;
-                    let mut pushed = Ok(());
-                    tree.visit_below(n, |pair, impact| {
-                        pushed = push(out, (F::new(name, pair), impact));
-                        if pushed.is_ok() {
-                            ControlFlow::Continue(())
-                        } else {
-                            ControlFlow::Break(())
-                        }
-                    });
-                    pushed?;
+                    if has_ended.load(Relaxed) {
+                        return Ok(());
+                    }
+                    if ask(name, &tree, n, out)?.is_break() {
+                        has_ended.store(true, Relaxed);
+                    }
                 }
             }
             Ok(())
         };
-        let share = FRONT / subjects.len().max(1);
-        fronts(subjects, &tree, share).and_then(|front| history.by_pieces(&front, LEAST, list, all))
+        fronts(subjects, &tree, share).and_then(|front| history.by_pieces(&front, LEAST, list, out))
     };
     history.note_cpu(part.backend());
     listed
+}
+
+/// Node pairs of the front of each subject.
+fn front_of<S>(subjects: &[MovingSubject<S>]) -> usize {
+    FRONT / subjects.len().max(1)
+}
+
+/// Whether one thread answers that nothing interrupts: it divides nothing if it may stop early.
+fn is_whole(executor: &Executor) -> bool {
+    executor.pool.is_none() && executor.cancel_flag().is_none()
 }
 
 /// The pair that meets first, by time, then by the name of its subject, then by the pair; or `known`, if that comes before all. Subjects ascend by
@@ -163,9 +246,7 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
             }
             Ok(())
         };
-        // One thread that nothing interrupts divides nothing.
-        let is_whole = executor.pool.is_none() && flag.is_none();
-        let share = if is_whole { 1 } else { FRONT / subjects.len().max(1) };
+        let share = if is_whole(executor) { 1 } else { front_of(subjects) };
         fronts(subjects, &tree, share)
             .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
     };

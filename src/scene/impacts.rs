@@ -103,6 +103,58 @@ impl SceneQuery {
         })
     }
 
+    /// Some pair of triangles that meets while some bodies move, if any does: one that certainly meets, unless all that
+    /// [`SceneQuery::impacts`] has are open. Executors may name different pairs.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::impacts`].
+    ///
+    /// # Complexity
+    /// Stops at the first pair that certainly meets; pairs of bodies whose boxes overlap first are asked first.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// # let at = |z| Pose::from_translation([0.0, 0.0, z]);
+    /// let (wall, link) = (scene.add(tile.clone(), at(0.0))?, scene.add(tile, at(1.0))?);
+    /// assert!(scene.any_impact(&[(link, at(0.5))])?.is_none());
+    /// assert!(scene.any_impact(&[(link, at(-1.0))])?.is_some_and(|(_, impact)| impact.is_proven()));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
+    pub fn any_impact(
+        &mut self,
+        ends: &[(BodyId, impl Into<AnyPose> + Copy)],
+    ) -> Result<Option<(SceneHit, Impact)>, Error> {
+        with_default(|| {
+            let (scene, broad, history) = self.moving(ends)?;
+            if let Some(hit) = scene.kept().next() {
+                return Ok(Some((hit, AT_START)));
+            }
+            let subjects = scene.subjects(broad, history.executor().cancel_flag())?;
+            impacts::any_impact(history, &subjects, |two| scene.tree(two))
+        })
+    }
+
+    /// How many pairs of triangles meet while some bodies move: at least the first number, of those that certainly do, and at most the
+    /// second, of all that [`SceneQuery::impacts`] has. No list of them is kept.
+    ///
+    /// # Errors
+    /// As [`SceneQuery::impacts`].
+    pub fn count_impacts(
+        &mut self,
+        ends: &[(BodyId, impl Into<AnyPose> + Copy)],
+    ) -> Result<[u64; 2], Error> {
+        with_default(|| {
+            let (scene, broad, history) = self.moving(ends)?;
+            let subjects = scene.subjects(broad, history.executor().cancel_flag())?;
+            let kept = scene.kept().count() as u64;
+            let counts = impacts::count(history, &subjects, |two| scene.tree(two))?;
+            Ok(counts.map(|count| kept + count))
+        })
+    }
+
     /// The bodies as they move, with what finds their pairs.
     fn moving(
         &mut self,

@@ -13,6 +13,7 @@ mod distance;
 mod environment;
 mod executors;
 mod fans;
+mod impacts;
 mod in_f64;
 mod model;
 mod one_ring;

@@ -133,6 +133,12 @@ fn impacts_are_those_of_every_pair_of_bodies() {
         for executor in &executors {
             let mut scene = scene.clone().on(executor);
             assert!(scene.impacts(&ends).unwrap() == expected, "{round} {executor:?}");
+            let proven = expected.iter().filter(|hit| hit.1.is_proven()).count();
+            let counts = [proven as u64, expected.len() as u64];
+            assert_eq!(scene.count_impacts(&ends).unwrap(), counts, "{round} {executor:?}");
+            let any = scene.any_impact(&ends).unwrap();
+            assert!(any.map_or(expected.is_empty(), |hit| expected.contains(&hit)));
+            assert_eq!(any.is_some_and(|hit| hit.1.is_proven()), proven > 0);
             assert_eq!(
                 scene.first_impact(&ends).unwrap(),
                 first(&expected),

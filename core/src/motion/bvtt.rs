@@ -57,7 +57,7 @@ impl<'a> SelfBvtt<'a> {
     /// let moved = Bvh::new_unchecked(mesh.with_positions(&end)?, moved, bvh.order());
     /// let side = |bvh| PosedBvh::new(bvh, &Pose::IDENTITY);
     /// let query = SelfBvtt::moving(MovingBvh::new(side(bvh)?, side(moved)?)?);
-    /// assert_eq!(query.count(), 1);
+    /// assert_eq!(query.count(), [1, 1]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
@@ -93,7 +93,7 @@ impl MovingBvtt<'_, true> {
     /// let side = |bvh| PosedBvh::new(bvh, &Pose::IDENTITY);
     /// let query = SelfBvtt::moving(MovingBvh::new(side(at_start)?, side(at_end)?)?).boxes_only();
     /// let (pair, impact) = query.first_impact().expect("two meet");
-    /// assert_eq!((query.count(), pair), (1, TrianglePair { a: 0, b: 1 }));
+    /// assert_eq!((query.count(), pair), ([0, 1], TrianglePair { a: 0, b: 1 }));
     /// assert!(impact.from <= 0.5 && 0.499 < impact.from && !impact.is_proven());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

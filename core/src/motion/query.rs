@@ -44,24 +44,29 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         }
     }
 
-    /// The number of pairs that meet.
+    /// The number of pairs that certainly meet, and that of all that `visit` is called for, those that are open included.
     #[must_use]
-    pub fn count(&self) -> u64 {
-        let mut count = 0;
-        let _ = self.visit(|_, _| {
-            count += 1;
+    pub fn count(&self) -> [u64; 2] {
+        let mut counts = [0; 2];
+        let _ = self.visit(|_, impact| {
+            counts[0] += u64::from(impact.is_proven());
+            counts[1] += 1;
             ControlFlow::Continue(())
         });
-        count
+        counts
     }
 
-    /// Some pair that meets, if any does; the traversal stops at the first that it comes upon.
+    /// Some pair that meets, if any does: one that certainly does, the first that the traversal comes upon, unless all are open.
     #[must_use]
-    pub fn any(&self) -> Option<TrianglePair> {
+    pub fn any(&self) -> Option<(TrianglePair, Impact)> {
         let mut found = None;
-        let _ = self.visit(|pair, _| {
-            found = Some(pair);
-            ControlFlow::Break(())
+        let _ = self.visit(|pair, impact| {
+            if impact.is_proven() {
+                found = Some((pair, impact));
+                return ControlFlow::Break(());
+            }
+            found = found.or(Some((pair, impact)));
+            ControlFlow::Continue(())
         });
         found
     }

@@ -97,20 +97,27 @@ pub(crate) fn all(subjects: &Subjects, executor: &Executor) -> Named {
 
 /// The motion is subnormal, as all positions are.
 fn motions(named: &mut Named, subjects: &Subjects, on: &Executor) {
-    let mut add = |verb: &str, hits: Vec<_>| named.push((verb.to_owned(), Answer::Impacts(hits)));
+    let mut add = |verb: &str, answer| named.push((verb.to_owned(), answer));
+    let count = |[proven, all]: [u64; 2]| Answer::Count(proven << 32 | all);
     for (kind, [a, b]) in [("f32", &subjects.models), ("f64", &subjects.in_f64)] {
         let (mut query, rest) = (PairQuery::new().on(on), Motion::at_rest(a));
         let at = |x: u32| Pose::from_translation([-f32::from_bits(x), f32::from_bits(1), 0.0]);
         let moving = Motion::new(b, at(0), at(300)).unwrap();
-        add(&format!("PairQuery::impacts, {kind}"), query.impacts(&rest, &moving).unwrap());
+        let mut add = |verb: &str, answer| add(&format!("PairQuery::{verb}, {kind}"), answer);
+        add("impacts", Answer::Impacts(query.impacts(&rest, &moving).unwrap()));
         let first = query.first_impact(&rest, &moving).unwrap();
-        add(&format!("PairQuery::first_impact, {kind}"), Vec::from_iter(first));
+        add("first_impact", Answer::Impacts(Vec::from_iter(first)));
+        add("any_impact", query.any_impact(&rest, &moving).unwrap().into());
+        add("count_impacts", count(query.count_impacts(&rest, &moving).unwrap()));
     }
     let (model, mut end) = (&*subjects.models[0], subjects.models[0].try_clone().unwrap());
     end.set_positions(&subjects.other.positions).unwrap();
     let (mut query, motion) = (SelfQuery::new().on(on), Motion::between(model, &end).unwrap());
-    add("SelfQuery::impacts", query.impacts(&motion).unwrap());
-    add("SelfQuery::first_impact", Vec::from_iter(query.first_impact(&motion).unwrap()));
+    add("SelfQuery::impacts", Answer::Impacts(query.impacts(&motion).unwrap()));
+    let first = query.first_impact(&motion).unwrap();
+    add("SelfQuery::first_impact", Answer::Impacts(Vec::from_iter(first)));
+    add("SelfQuery::any_impact", query.any_impact(&motion).unwrap().into());
+    add("SelfQuery::count_impacts", count(query.count_impacts(&motion).unwrap()));
 }
 
 fn pairs(named: &mut Named, kind: &str, [a, b]: &[Arc<Model>; 2], pose: AnyPose, on: &Executor) {
@@ -340,6 +347,9 @@ fn each_verb(named: &mut Named, change: &str, scene: &mut SceneQuery, bodies: &[
     let first = scene.first_impact(&ends).unwrap();
     let without_bodies = impacts.into_iter().chain(first).map(|(hit, impact)| (hit.pair, impact));
     add("impacts, first_impact", Answer::Impacts(without_bodies.collect()));
+    add("any_impact", scene.any_impact(&ends).unwrap().into());
+    let [proven, all] = scene.count_impacts(&ends).unwrap();
+    add("count_impacts", Answer::Count(proven << 32 | all));
     scene.update().unwrap();
     let hits = scene.all().unwrap().iter().map(|hit| (number(hit.bodies), hit.pair));
     add("all", Answer::Hits(hits.collect()));

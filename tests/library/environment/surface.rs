@@ -18,7 +18,7 @@ const SURFACE: [(&str, &str, &str, &str); 17] = [
     (
         "impacts of PairQuery and SelfQuery",
         include_str!("../../../src/impacts.rs"),
-        "impacts first_impact impacts first_impact",
+        "impacts first_impact any_impact count_impacts impacts first_impact any_impact count_impacts",
         "",
     ),
     (
@@ -43,7 +43,7 @@ const SURFACE: [(&str, &str, &str, &str); 17] = [
     (
         "SceneQuery's impacts",
         include_str!("../../../src/scene/impacts.rs"),
-        "impacts first_impact",
+        "impacts first_impact any_impact count_impacts",
         "",
     ),
     (

@@ -110,8 +110,11 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     });
     found.sort_by_key(|hit| hit.0);
     assert_eq!(found, every);
-    assert_eq!(query.count(), every.len() as u64);
-    assert_eq!(query.any().is_some(), !every.is_empty());
+    let proven = every.iter().filter(|hit| hit.1.is_proven()).count();
+    assert_eq!(query.count(), [proven as u64, every.len() as u64]);
+    let any = query.any();
+    assert!(any.map_or(every.is_empty(), |hit| every.contains(&hit)));
+    assert_eq!(any.is_some_and(|hit| hit.1.is_proven()), proven > 0);
     let first = every.iter().min_by(|p, q| (p.1.from, p.0).partial_cmp(&(q.1.from, q.0)).unwrap());
     assert_eq!(query.first_impact().as_ref(), first);
     // From any cut of the tree.
