@@ -131,6 +131,20 @@ impl SelfQuery {
     ///
     /// # Errors
     /// As [`PairQuery::impacts`].
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, Motion, SelfQuery};
+    /// let sheets = |gap| {
+    ///     let sheet = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+    ///     Model::new([sheet(0.0), sheet(gap)].concat(), vec![[0, 1, 2], [3, 4, 5]])
+    /// };
+    /// let (before, after) = (sheets(0.5)?, sheets(-0.5)?);
+    /// let (mut query, motion) = (SelfQuery::new(), Motion::between(&before, &after)?);
+    /// assert!(query.any_impact(&motion)?.is_some_and(|(_, impact)| impact.is_proven()));
+    /// assert_eq!(query.count_impacts(&motion)?, [1, 1]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn any_impact(
         &mut self,
         motion: &Motion<'_>,
@@ -142,6 +156,9 @@ impl SelfQuery {
     ///
     /// # Errors
     /// As [`PairQuery::impacts`].
+    ///
+    /// # Examples
+    /// See [`SelfQuery::any_impact`].
     pub fn count_impacts(&mut self, motion: &Motion<'_>) -> Result<[u64; 2], Error> {
         self.ask(motion, count)
     }

@@ -118,9 +118,11 @@ impl SceneQuery {
     /// # let tile = Model::new(vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
     /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
     /// # let at = |z| Pose::from_translation([0.0, 0.0, z]);
-    /// let (wall, link) = (scene.add(tile.clone(), at(0.0))?, scene.add(tile, at(1.0))?);
+    /// scene.add(tile.clone(), at(0.0))?;
+    /// let link = scene.add(tile, at(1.0))?;
     /// assert!(scene.any_impact(&[(link, at(0.5))])?.is_none());
     /// assert!(scene.any_impact(&[(link, at(-1.0))])?.is_some_and(|(_, impact)| impact.is_proven()));
+    /// assert_eq!(scene.count_impacts(&[(link, at(-1.0))])?, [1, 1]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn any_impact(
@@ -142,6 +144,12 @@ impl SceneQuery {
     ///
     /// # Errors
     /// As [`SceneQuery::impacts`].
+    ///
+    /// # Complexity
+    /// The time of [`SceneQuery::impacts`], but for its list.
+    ///
+    /// # Examples
+    /// See [`SceneQuery::any_impact`].
     pub fn count_impacts(
         &mut self,
         ends: &[(BodyId, impl Into<AnyPose> + Copy)],
