@@ -8,11 +8,11 @@ use pfront_core::bvtt::{PairBvtt, SelfBvtt};
 
 impl PairQuery {
     /// All pairs of triangles of two models that meet while both move, sorted, each with when they first do: they do not meet before `from`, and
-    /// certainly meet before `to`, if that is finite. CPUs answer, whatever the executor; the same to the bit. The distance of
-    /// [`PairQuery::within`] does not matter.
+    /// certainly meet before `to`, if that is finite. CPUs answer, whatever the executor; the same to the bit. After [`PairQuery::within`],
+    /// all pairs that come within the distance, and when first.
     ///
     /// Exact but for pairs that touch and do not pass, move in one plane for ever, or have coordinates of more than 356 bits: these are reported
-    /// with an infinite `to`. No pair is missed. See [`pfront_core::motion`].
+    /// with an infinite `to`; within a distance, but for pairs that come as near as it is and no nearer. No pair is missed. See [`pfront_core::motion`].
     ///
     /// # Errors
     /// [`Error::Memory`]; [`Error::Cancelled`] if the flag of the executor is set.
@@ -98,8 +98,9 @@ impl PairQuery {
     }
 
     fn ask<T>(&mut self, a: &Motion<'_>, b: &Motion<'_>, verb: Verb<T>) -> Result<T, Error> {
-        let history = self.query.history();
-        with_default(|| verb(history, AnyMovingBvtt::Pair(PairBvtt::moving(a.bvh(), b.bvh()))))
+        let (within, history) = (self.within, self.query.history());
+        let tree = || PairBvtt::moving(a.bvh(), b.bvh()).within(within);
+        with_default(|| verb(history, AnyMovingBvtt::Pair(tree())))
     }
 }
 
@@ -164,9 +165,9 @@ impl SelfQuery {
     }
 
     fn ask<T>(&mut self, motion: &Motion<'_>, verb: Verb<T>) -> Result<T, Error> {
-        let adjacency = self.adjacency();
+        let (adjacency, within) = (self.adjacency(), self.distance());
         let history = self.history();
-        let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency);
+        let tree = || SelfBvtt::moving(motion.bvh()).with_adjacency(adjacency).within(within);
         with_default(|| verb(history, AnyMovingBvtt::Itself(tree())))
     }
 }

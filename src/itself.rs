@@ -195,6 +195,10 @@ impl SelfQuery {
         self.adjacency
     }
 
+    pub(crate) fn distance(&self) -> Distance {
+        self.within
+    }
+
     pub(crate) fn history(&mut self) -> &mut History<()> {
         self.query.history()
     }

@@ -43,7 +43,9 @@ impl<'m> Motion<'m> {
     /// A rigid body that goes from one pose to another in the world.
     ///
     /// Its corners go in straight lines, also if it turns: a corner at the distance r from the axis about which it turns by an angle θ is up
-    /// to r θ²/8 away from where a turn at constant speed has it. Divide a motion that turns far.
+    /// to r θ²/8 away from where a turn at constant speed has it. Divide a motion that turns far, or ask within a distance: within
+    /// (r_A θ_A² + r_B θ_B²)/8, with the largest r and the angle of each body, no contact of two turns at constant speed is missed, and none is
+    /// earlier than said.
     ///
     /// # Errors
     /// [`Error::Pose`] if a pose is not finite or takes the model out of range.

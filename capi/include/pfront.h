@@ -1256,7 +1256,8 @@ pfront_status_t pfront_model_query_patches(struct pfront_model_query_t *query,
 
 // Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
 // of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
-// the executor. `impacts` belongs to the query and is good until this is called again, or the query is freed.
+// the executor. After `pfront_model_query_within`, pairs are those that come within the distance on the way. `impacts` belongs to the query and is
+// good until this is called again, or the query is freed.
 pfront_status_t pfront_model_query_impacts(struct pfront_model_query_t *query,
                                            const struct pfront_motion_t *a,
                                            const struct pfront_motion_t *b,

@@ -95,7 +95,8 @@ fn found(
 
 /// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
 /// of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
-/// the executor. `impacts` belongs to the query and is good until this is called again, or the query is freed.
+/// the executor. After `pfront_model_query_within`, pairs are those that come within the distance on the way. `impacts` belongs to the query and is
+/// good until this is called again, or the query is freed.
 #[entry]
 fn pfront_model_query_impacts(
     call: &mut Call<'_>,

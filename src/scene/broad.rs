@@ -188,7 +188,7 @@ impl Broad {
         }
     }
 
-    /// Calls `visit` for each two bodies whose boxes overlap at a time while they move, until it breaks. The boxes at the end are those given, by
+    /// Calls `visit` for each two bodies whose boxes are within a distance at a time while they move, until it breaks. The boxes at the end are those given, by
     /// ascending places, and those of now of all other bodies.
     ///
     /// # Errors
@@ -199,6 +199,7 @@ impl Broad {
     pub(super) fn while_moving(
         &self,
         ends: &[(u32, Option<Aabb>)],
+        within: Distance,
         mut visit: impl FnMut(Places) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let Some(boxes) = &self.boxes else { return Ok(()) };
@@ -214,6 +215,7 @@ impl Broad {
         let end = Bvh::new_unchecked(mesh, &nodes, start.order());
         let [start, end] = [start, end].map(|bvh| PosedBvh::new_unchecked(bvh, &Pose::IDENTITY));
         let query = SelfBvtt::moving(MovingBvh::new_unchecked(start, end)).boxes_only();
+        let query = query.within(within);
         let _ = query.visit(|TrianglePair { a, b }, _| {
             let [a, b] = [a, b].map(|i| self.places[i as usize]);
             visit([a.min(b), a.max(b)])

@@ -12,7 +12,7 @@ use crate::environment::with_default;
 use crate::executor::impacts::{self, AT_START, AnyMovingBvtt, MovingSubject};
 use crate::executor::{Backend, History, check};
 use crate::memory::push;
-use crate::{AnyPose, Distance, Error, Impact};
+use crate::{AnyPose, Error, Impact};
 use pfront_core::bvtt::PairBvtt;
 use pfront_core::motion::MovingBvh;
 use std::ops::ControlFlow;
@@ -25,7 +25,7 @@ impl SceneQuery {
     /// the same afterwards.
     ///
     /// Pairs that [`SceneQuery::all`] has are among them, from 0 on, and of bodies that stay no others. Groups and
-    /// [ignored](SceneQuery::ignore) pairs are heeded; the distance of [`SceneQuery::within`] does not matter. A body that is asked
+    /// [ignored](SceneQuery::ignore) pairs are heeded; after [`SceneQuery::within`] pairs are those that come within the distance. A body that is asked
     /// about itself is so in its own frame, where it rests. At either end two bodies are posed in f64 if the model or the pose of one is in f64.
     ///
     /// The threads of the executor divide pairs of bodies and the node pairs of each; a GPU is not asked.
@@ -173,8 +173,6 @@ impl SceneQuery {
         self.find_overlaps()?;
         self.history.note_cpu(Backend::Sequential);
         let Self { bodies, broad, hits, history, .. } = self;
-        // Others may be no more than near.
-        let hits = (bodies.within == Distance::default()).then_some(&*hits);
         Ok((MovingBodies { bodies, ends, hits }, broad, history))
     }
 }
@@ -204,8 +202,8 @@ struct MovingBodies<'s> {
     bodies: &'s Bodies,
     /// The places of those that move, ascending, and their poses at the end.
     ends: Vec<(u32, AnyPose)>,
-    /// Hits that are known of bodies that have not changed since, if they are the answer about bodies that rest.
-    hits: Option<&'s Cache<SceneHit>>,
+    /// Hits that are known of bodies that have not changed since.
+    hits: &'s Cache<SceneHit>,
 }
 
 impl<'s> MovingBodies<'s> {
@@ -220,7 +218,7 @@ impl<'s> MovingBodies<'s> {
 
     /// The known hits of bodies that rest, sorted.
     fn kept(&self) -> impl Iterator<Item = SceneHit> {
-        let pieces = self.hits.into_iter().flat_map(|hits| hits.still_true(self.bodies));
+        let pieces = self.hits.still_true(self.bodies);
         let rest = |two: [BodyId; 2]| {
             let [a, b] = two.map(|id| self.bodies.placed(id).map(|(place, _)| place));
             a.and_then(|a| Ok(self.rest([a, b?]))).unwrap_or(false)
@@ -237,7 +235,7 @@ impl<'s> MovingBodies<'s> {
         let mut subjects = Vec::new();
         let mut add = |two| {
             check(flag)?;
-            let is_kept = || self.hits.is_some_and(|hits| self.bodies.changed_at(two) <= hits.at());
+            let is_kept = || self.bodies.changed_at(two) <= self.hits.at();
             if !self.bodies.may_meet(two) || self.rest(two) && is_kept() {
                 return Ok(());
             }
@@ -256,7 +254,7 @@ impl<'s> MovingBodies<'s> {
             push(&mut boxes, (place, aabb.flatten()))?;
         }
         let mut added = Ok(());
-        broad.while_moving(&boxes, |two| {
+        broad.while_moving(&boxes, self.bodies.within, |two| {
             added = add(two);
             if added.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         })?;
@@ -273,9 +271,13 @@ impl<'s> MovingBodies<'s> {
             let end = self.end(place).map_or(start, |pose| pose.place(body.model().bvh()));
             MovingBvh::new_unchecked(start, end)
         };
+        let within = self.bodies.within;
         let tree = match self.rest(two) {
-            true => AnyMovingBvtt::Still(tree(a, b, Distance::default())),
-            false => AnyMovingBvtt::Pair(PairBvtt::moving(side(two[0], a), side(two[1], b))),
+            true => AnyMovingBvtt::Still(tree(a, b, within)),
+            false => {
+                let moving = PairBvtt::moving(side(two[0], a), side(two[1], b));
+                AnyMovingBvtt::Pair(moving.within(within))
+            }
         };
         Some(([a.id(), b.id()], tree))
     }

@@ -47,13 +47,16 @@ fn whether_any_and_how_many_are_those_of_the_list() {
         let mut after = a.clone();
         after.set_positions(&positions).unwrap();
         let deforming = Motion::between(a, &after).unwrap();
-        let all = PairQuery::new().impacts(&rest, &moving).unwrap();
-        let own = SelfQuery::new().impacts(&deforming).unwrap();
+        let within = [0.0, 0.1][round % 2];
+        let all = PairQuery::new().within(within).unwrap().impacts(&rest, &moving).unwrap();
+        let own = SelfQuery::new().within(within).unwrap().impacts(&deforming).unwrap();
         for executor in executors() {
-            let mut query = PairQuery::new().on(&executor);
+            let mut query = PairQuery::new().on(&executor).within(within).unwrap();
+            assert_eq!(query.impacts(&rest, &moving).unwrap(), all, "{round}");
             let any = query.any_impact(&rest, &moving).unwrap();
             let of_two = check(&all, any, query.count_impacts(&rest, &moving).unwrap());
-            let mut query = SelfQuery::new().on(&executor);
+            let mut query = SelfQuery::new().on(&executor).within(within).unwrap();
+            assert_eq!(query.impacts(&deforming).unwrap(), own, "{round}");
             let any = query.any_impact(&deforming).unwrap();
             check(&own, any, query.count_impacts(&deforming).unwrap());
             assert!(query.plan().is_some(), "{round}");

@@ -74,15 +74,15 @@ fn random(rng: &mut ChaCha8Rng, models: &[Arc<Model>]) -> (SceneQuery, Vec<(Body
     (scene, ends)
 }
 
-/// Every pair of bodies, as two motions.
-fn every(scene: &SceneQuery, ends: &[(BodyId, AnyPose)]) -> Found {
+/// Every pair of bodies, as two motions, within a distance.
+fn every(scene: &SceneQuery, ends: &[(BodyId, AnyPose)], within: f32) -> Found {
     let mut found = Vec::new();
     let end = |id| ends.iter().find(|end| end.0 == id).map(|end| end.1);
     let ignored: Vec<_> = scene.ignored().collect();
     let bodies: Vec<_> = scene.bodies().collect();
     for (i, a) in bodies.iter().enumerate() {
         if let Some(adjacency) = a.options().itself {
-            let mut query = SelfQuery::new().with_adjacency(adjacency);
+            let mut query = SelfQuery::new().with_adjacency(adjacency).within(within).unwrap();
             let hit = |&pair: &TrianglePair| SceneHit { bodies: [a.id(); 2], pair };
             let all = query.all(a.model()).unwrap().iter().map(hit);
             found.extend(all.map(|hit| (hit, Impact { from: 0.0, to: 0.0 })));
@@ -96,7 +96,7 @@ fn every(scene: &SceneQuery, ends: &[(BodyId, AnyPose)]) -> Found {
                 let end = end(body.id()).unwrap_or(body.pose());
                 Motion::new(body.model(), body.pose(), end).unwrap()
             });
-            let impacts = PairQuery::new().impacts(&p, &q).unwrap();
+            let impacts = PairQuery::new().within(within).unwrap().impacts(&p, &q).unwrap();
             found.extend(
                 impacts.into_iter().map(|(pair, impact)| (SceneHit { bodies: two, pair }, impact)),
             );
@@ -118,13 +118,12 @@ fn impacts_are_those_of_every_pair_of_bodies() {
     let (mut at_start, mut on_the_way, mut own) = (0, 0, 0);
     for round in 0..60 {
         let (mut scene, ends) = random(&mut rng, &models);
-        let expected = every(&scene, &ends);
+        let within = if round % 5 == 0 { 0.1 } else { 0.0 };
+        scene.within(within).unwrap();
+        let expected = every(&scene, &ends, within);
         at_start += expected.iter().filter(|hit| hit.1.from == 0.0).count();
         on_the_way += expected.iter().filter(|hit| hit.1.from > 0.0).count();
         own += expected.iter().filter(|(hit, _)| hit.bodies[0] == hit.bodies[1]).count();
-        if round % 5 == 0 {
-            scene.within(0.1).unwrap();
-        }
         if round % 3 == 0 {
             // Then hits of bodies that rest are known.
             scene.update().unwrap();
@@ -160,7 +159,7 @@ fn many_bodies_in_one_place_and_one_that_flies_through() {
         scene.add(models[i % 2].clone(), Pose::from_translation(at)).unwrap();
     }
     let ends: Vec<_> = scene.bodies().step_by(3).map(|body| (body.id(), pose(&mut rng))).collect();
-    let expected = every(&scene, &ends);
+    let expected = every(&scene, &ends, 0.0);
     assert!(expected.len() > 1_000, "{}", expected.len());
     for executor in executors() {
         let mut scene = scene.clone().on(&executor);

@@ -13,7 +13,14 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
     }
 
     /// The same with boxes of nodes that contain all those of their triangles, as [`Bvtt::corners_and_box`] has them.
+    ///
+    /// Boxes of the second side that reach as far as a distance d are off by three roundings of d, and those of its triangles by two; so nodes
+    /// reach 2^-20 d farther.
     pub(crate) fn with_boxes_of_corners(mut self) -> Self {
+        if let Some(distance) = self.reach() {
+            let [_, pose] = &mut self.box_poses;
+            *pose = pose.map(|pose| pose.grown(Vec3A::splat(distance * (1.0 / 1_048_576.0))));
+        }
         if let Some(error) = self.error() {
             self.box_poses = self.box_poses.map(|pose| pose.map(|pose| pose.grown(error)));
         }
@@ -37,14 +44,23 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
         self.error().map(|error| error.to_array())
     }
 
+    /// How far boxes of the second side reach on each axis, with the distance, if one is asked for.
+    pub(crate) fn growth_of_second(&self) -> [f32; 3] {
+        self.box_poses[1].map_or([0.0; 3], |pose| pose.padding().to_array())
+    }
+
     /// The corners of a triangle of one side as they are posed, whatever they are posed in, and a box that contains them in the frame of the query
-    /// or one that moves with it.
+    /// or one that moves with it; that of the second side contains all that is within the distance.
     #[inline]
     pub(crate) fn corners_and_box(&self, side: usize, triangle: u32) -> ([[f64; 3]; 3], Bounds) {
+        let reach = self.reach().filter(|_| side == 1);
         let side = self.side(side);
         let [p, q, r] = side.triangle(triangle);
         let [p, q, r] = [Vec3A::from_array(p), Vec3A::from_array(q), Vec3A::from_array(r)];
-        let bounds = |error| Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error };
+        let bounds = |error| {
+            let bounds = Bounds { min: p.min(q).min(r) - error, max: p.max(q).max(r) + error };
+            reach.map_or(bounds, |distance| around(&bounds, distance))
+        };
         match self.error() {
             None => {
                 let in_f64 = |p: Vec3A| p.as_dvec3().to_array();
@@ -57,5 +73,14 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
 
     pub(crate) fn adjacency(&self) -> Adjacency {
         self.adjacency
+    }
+}
+
+/// A box that contains all that is so near another, rounded outwards.
+fn around(bounds: &Bounds, distance: f32) -> Bounds {
+    let rounded = |v: Vec3A, to: fn(f32) -> f32| Vec3A::from_array(v.to_array().map(to));
+    Bounds {
+        min: rounded(bounds.min - distance, f32::next_down),
+        max: rounded(bounds.max + distance, f32::next_up),
     }
 }

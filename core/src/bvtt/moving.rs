@@ -17,10 +17,14 @@
 //! in all. Three times the bound of [`crate::exact::filter32`] is 144 u. A height along a direction n is off by 4 u (|n_x| x + |n_y| y + |n_z| z),
 //! and what compares two of them by 10 u: the margin is 24 u. Coefficients of the product of two normals are off by 68 u (x²y² + y²z² + z²x²),
 //! as those in f64 in `motion`; the margin is 128 u, for extents up to 2^30, where nothing overflows.
+//!
+//! Within a distance d, heights have to exceed d times the length of the direction as well: of a normal that moves, d times the longest that it gets,
+//! which is at most that of its longest Bernstein coefficient. Coefficients are off by 10 u (xy + yz + zx), and by less than the smallest normal number for
+//! what underflows. Triangles that share a vertex are apart by so much more than they need to be.
 
 use super::block::{BlockCache, TriangleBlock};
 use super::cull::PairSets;
-use super::planes::{Planes, error_bound};
+use super::planes::{Planes, error_bound, longest};
 use super::{Bvtt, TrianglePair};
 use crate::exact::filter32::UNDERFLOW;
 use crate::simd::point8::{abs, chunk_starts, cross, difference, dot, highest, load, splat, sum};
@@ -69,19 +73,20 @@ impl MovingBlock<'_> {
     }
 
     /// Tests the `allowed` pairs with the triangles of `other`: pairs whose boxes overlap at a time, hits that cross at the start, and open pairs.
-    /// With errors of corners, at the start and at the end, only boxes are compared.
+    /// Boxes reach farther by a growth at the start and at the end. Pairs within a distance are asked for; without one, only boxes are compared.
     #[inline(always)]
     pub(crate) fn cull<S: Simd, const SELF: bool>(
         self,
         other: Self,
         allowed: u64,
         adjacency: Adjacency,
-        errors: Option<[[f32; 3]; 2]>,
+        growth: Option<[[f32; 3]; 2]>,
+        distance: Option<f32>,
     ) -> PairSets {
         let mut pairs = PairSets::default();
         let [start, end] = self.0;
         let bounds = [start.around::<S>(), end.around()];
-        let mut rows = other.overlapping(&grown(bounds, errors));
+        let mut rows = other.overlapping(&grown(bounds, growth));
         while rows != 0 {
             let j = rows.trailing_zeros() as usize % LANES;
             rows &= rows - 1;
@@ -89,18 +94,19 @@ impl MovingBlock<'_> {
             let [start, end] = other.0;
             let start = [splat::<S>(&start.min, j), splat(&start.max, j)];
             let bounds = [start, [splat(&end.min, j), splat(&end.max, j)]];
-            let found = self.overlapping(&grown(bounds, errors)) & (allowed >> shift & 0xff) as u32;
+            let found = self.overlapping(&grown(bounds, growth)) & (allowed >> shift & 0xff) as u32;
             pairs.overlapping |= u64::from(found) << shift;
-            if errors.is_some() {
+            let Some(distance) = distance else {
                 pairs.open = pairs.overlapping;
                 continue;
-            }
+            };
             for at in chunk_starts::<S>() {
                 let left = found >> at & (u32::MAX >> (u32::BITS as usize - S::WIDTH));
                 if left == 0 {
                     continue;
                 }
-                let [hits, open, sharing] = self.decide::<S, SELF>(other, [at, j], left, adjacency);
+                let [hits, open, sharing] =
+                    self.decide::<S, SELF>(other, [at, j], left, adjacency, distance);
                 pairs.hits |= u64::from(hits) << (shift + at);
                 pairs.open |= u64::from(open) << (shift + at);
                 pairs.may_share_vertex |= u64::from(sharing) << (shift + at);
@@ -144,6 +150,7 @@ impl MovingBlock<'_> {
         [at, j]: [usize; 2],
         mut left: u32,
         adjacency: Adjacency,
+        distance: f32,
     ) -> [u32; 3] {
         let [start, end] = self.0;
         let own = Moving::<S>::new(Planes::load(start, at, None), Planes::load(end, at, None));
@@ -157,15 +164,15 @@ impl MovingBlock<'_> {
             left &= !neighbours;
         }
         let sharing = neighbours != 0;
-        left &= !own.holds_apart(&others, sharing, &shared.of_other);
+        left &= !own.holds_apart(&others, sharing, &shared.of_other, distance);
         if left != 0 {
-            left &= !others.holds_apart(&own, sharing, &shared.of_own);
+            left &= !others.holds_apart(&own, sharing, &shared.of_own, distance);
         }
         if left & neighbours != 0 {
             left &= !(S::bits(shared.opposite) & own.have_obtuse_angle(&others));
         }
         if left != 0 {
-            left &= !own.is_separated(&others, sharing, &shared);
+            left &= !own.is_separated(&others, sharing, &shared, distance);
         }
         let distinct = left & !neighbours;
         let mut hits = 0;
@@ -246,11 +253,30 @@ impl<S: Simd> Moving<S> {
         Relative { ends, extent }
     }
 
+    /// The height over this plane, along its normal, of a point at a distance, at the most.
+    #[inline(always)]
+    fn height_of(&self, distance: f32) -> S {
+        let ([n, middle, n_end], [x, y, z]) = (self.normal, self.extent);
+        let length = longest(n).max(longest(middle) * S::splat(0.5)).max(longest(n_end));
+        let error = (x * y + y * z + z * x) * S::splat(16.0 * UNIT);
+        let smallest = S::splat(f32::MIN_POSITIVE);
+        (length + error + smallest) * S::splat(distance) + smallest
+    }
+
     /// Lanes in which all corners of `other`, but those that are `shared`, are certainly strictly on one side of this plane all the time.
     #[inline(always)]
-    fn holds_apart(&self, other: &Self, sharing: bool, shared: &[S::Mask; 3]) -> u32 {
+    fn holds_apart(
+        &self,
+        other: &Self,
+        sharing: bool,
+        shared: &[S::Mask; 3],
+        distance: f32,
+    ) -> u32 {
         let Relative { ends: [start, end], extent } = self.relative(other);
-        let bound = error_bound(extent, None) * S::splat(3.0);
+        let mut bound = error_bound(extent, None) * S::splat(3.0);
+        if distance > 0.0 {
+            bound = (bound + self.height_of(distance)) * S::splat(1.000_001);
+        }
         let [n, middle, n_end] = self.normal;
         let (third, infinity) = (S::splat(1.0 / 3.0), S::splat(f32::INFINITY));
         let (mut low, mut high) = (infinity, S::splat(f32::NEG_INFINITY));
@@ -280,7 +306,13 @@ impl<S: Simd> Moving<S> {
     /// Lanes in which the line between the middles of both certainly separates the triangles at the start and at the end, but for one vertex that
     /// they share, which is then between both.
     #[inline(always)]
-    fn is_separated(&self, other: &Self, sharing: bool, shared: &SharedCorners<S>) -> u32 {
+    fn is_separated(
+        &self,
+        other: &Self,
+        sharing: bool,
+        shared: &SharedCorners<S>,
+        distance: f32,
+    ) -> u32 {
         let (Relative { ends: others, extent }, own) =
             (self.relative(other), self.relative(self).ends);
         let mut n = [S::splat(0.0); 3];
@@ -290,7 +322,10 @@ impl<S: Simd> Moving<S> {
             }
         }
         let holds = extent[0].max(extent[1]).max(extent[2]).le(S::splat(MAX_FOLD));
-        let margin = dot(abs(n), extent) * S::splat(24.0 * UNIT) + S::splat(UNDERFLOW);
+        let mut margin = dot(abs(n), extent) * S::splat(24.0 * UNIT) + S::splat(UNDERFLOW);
+        if distance > 0.0 {
+            margin = (margin + longest(n) * S::splat(distance)) * S::splat(1.000_001);
+        }
         let mut apart = holds;
         let infinity = [S::splat(f32::INFINITY), S::splat(f32::NEG_INFINITY)];
         for (others, own) in others.iter().zip(&own) {

@@ -8,12 +8,14 @@
 //! Coordinates are taken from a corner of the pair, scaled by a power of two; let R be the largest of the pair at either end, and 2^-20 at least,
 //! and u = 2^-24. A height along n is off by 4 u |n|₁ R, and the difference of two, at most 2 |n|₁ R, by 10 u |n|₁ R. The line between two ends as it
 //! is evaluated at a time is off by 3 u of 2 |n|₁ R, and its root, with three roundings, is so late that the line has lost as much there: 22 u
-//! in all, and the margin is 48 u. Underflow takes far less than the smallest normal number, which is added.
+//! in all, and the margin is 48 u. Underflow takes far less than the smallest normal number, which is added. Within a distance d, heights have to exceed
+//! d |n| as well, and the root loses no more, for the height less the margin is no greater than the height.
 
 use super::TrianglePair;
 use super::moving::MovingBlock;
 use super::near::{Group, scale};
 use super::nearest::{LEAST, MOST, UNIT, between, relative};
+use super::planes::longest;
 use crate::simd::point8::{abs, chunk_starts, dot, highest, load};
 use crate::simd::{LANES, Simd, Task, VECTORS, widest};
 
@@ -23,18 +25,19 @@ const MARGIN: f32 = 48.0 * UNIT;
 /// A policy: what has not ended after so many steps is left open.
 const STEPS: usize = 4;
 
-/// As many pairs as there are lanes, at the start and at the end.
+/// As many pairs as there are lanes, at the start and at the end, and the distance within which they may be.
 pub(crate) struct MovingGroup {
     ends: [Group; 2],
     scale: [f32; LANES],
+    distance: f32,
     pairs: [TrianglePair; LANES],
 }
 
 impl MovingGroup {
     #[inline(always)]
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(distance: f32) -> Self {
         let ends = [Group::new(), Group::new()];
-        Self { ends, scale: [1.0; LANES], pairs: [TrianglePair::default(); LANES] }
+        Self { ends, scale: [1.0; LANES], distance, pairs: [TrianglePair::default(); LANES] }
     }
 
     /// Whether every lane has a pair.
@@ -96,7 +99,11 @@ impl MovingGroup {
             // From the second to the first.
             let z = between(&a, &b);
             let size = abs(z)[0] + abs(z)[1] + abs(z)[2];
-            let margin = size * extent * S::splat(MARGIN) + S::splat(f32::MIN_POSITIVE);
+            let mut margin = size * extent * S::splat(MARGIN) + S::splat(f32::MIN_POSITIVE);
+            if self.distance > 0.0 {
+                margin =
+                    margin + longest(z) * (S::splat(self.distance) * scale) * S::splat(1.000_001);
+            }
             let (mut of_start, mut of_end) = ([[zero; 3]; 2], [[zero; 3]; 2]);
             for side in 0..2 {
                 for corner in 0..3 {

@@ -112,16 +112,10 @@ impl<S: Simd> Planes<S> {
     /// from it than a distance.
     ///
     /// The true heights are as far from these as their bound says. The true normal is at most as long as the one computed, plus
-    /// 8 u (e f + f g + g e) for the extents e, f and g of the edges, plus the smallest normal number for what underflows. Its length
-    /// is bounded without a root: for x ≥ y ≥ z ≥ 0, it is at most x + (√2 − 1) y + (√3 − √2) z, since it is convex, and equal
-    /// at the corners of that cone.
+    /// 8 u (e f + f g + g e) for the extents e, f and g of the edges, plus the smallest normal number for what underflows.
     #[inline(always)]
     pub(super) fn is_farther(&self, heights: &Heights<S>, distance: S) -> u32 {
-        let ([x, y, z], [d, e, f]) = (abs(self.normal), self.extent);
-        let (most, least) = (x.max(y).max(z), x.min(y).min(z));
-        let middle = x + y + z - most - least;
-        let length =
-            most * S::splat(1.000_001) + middle * S::splat(0.414_22) + least * S::splat(0.317_85);
+        let (length, [d, e, f]) = (longest(self.normal), self.extent);
         let error = (d * e + e * f + f * d) * S::splat(5e-7);
         let smallest = S::splat(f32::MIN_POSITIVE);
         let more = (length + error + smallest) * distance + smallest;
@@ -319,6 +313,16 @@ fn orientation<S: Simd>(
 fn shadow_bound<S: Simd>([x, y, z]: [S; 3], [d, e, f]: [S; 3]) -> S {
     let (y_most, z_most) = (y + e, z + f);
     (d * y_most * z_most + x * e * z_most + x * y * f) * S::splat(6.0001)
+}
+
+/// A bound of the length of a vector, but for roundings, without a root: for x ≥ y ≥ z ≥ 0, it is at most x + (√2 − 1) y + (√3 − √2) z, since it is
+/// convex, and equal at the corners of that cone.
+#[inline(always)]
+pub(super) fn longest<S: Simd>(vector: [S; 3]) -> S {
+    let [x, y, z] = abs(vector);
+    let (most, least) = (x.max(y).max(z), x.min(y).min(z));
+    let middle = x + y + z - most - least;
+    most * S::splat(1.000_001) + middle * S::splat(0.414_22) + least * S::splat(0.317_85)
 }
 
 /// The bound of [`crate::exact::filter32`]; NaN, to which nothing compares, where it does not hold. If corners are shadows, whose

@@ -409,7 +409,7 @@ impl<'a, const SELF: bool> Bvtt<'a, SELF> {
 
     /// The distance within which pairs are hits, if that is what is asked.
     #[inline(always)]
-    pub(super) fn reach(&self) -> Option<f32> {
+    pub(crate) fn reach(&self) -> Option<f32> {
         if WITHIN && self.distance > 0.0 { Some(self.distance) } else { None }
     }
 

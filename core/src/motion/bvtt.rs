@@ -3,9 +3,11 @@
 use super::MovingBvh;
 use super::adjacency::{are_certainly_apart, impact_in_mesh};
 use super::common_time::first_overlap;
-use super::impact::{Impact, impact_in_steps, impact_of};
+use super::impact::{Impact, impact_in_steps, impact_of, impact_within};
 use super::leaf::Leaf;
 use super::pair::MovingPair;
+#[cfg(feature = "within")]
+use crate::Distance;
 use crate::bvtt::{Bvtt, NodePair, PairBvtt, SelfBvtt, TrianglePair};
 use crate::triangle::Adjacency;
 
@@ -65,6 +67,51 @@ impl<'a> SelfBvtt<'a> {
         let query =
             |side: crate::bvtt::PosedBvh<'a>| SelfBvtt::new(side.bvh).with_boxes_of_corners();
         MovingBvtt { start: query(motion.start), end: query(motion.end) }
+    }
+}
+
+#[cfg(feature = "within")]
+impl<'a> MovingBvtt<'a, false> {
+    /// Asks for pairs of triangles that come within a distance while they move, in place of those that meet, as
+    /// [`PairBvtt::within`] does at rest; 0 asks for those that meet again.
+    ///
+    /// Pairs that are not reported are farther apart all the time. The impact of one that is tells when it is within the distance, and is open
+    /// where it comes as near as rounding takes and no nearer: integers decide only at the start and at the end.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, motion::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// let at = |z| PosedBvh::new(bvh, &Pose::from_translation([0.0, 0.0, z]));
+    /// let (rest, falling) = (MovingBvh::new(at(0.0)?, at(0.0)?)?, MovingBvh::new(at(1.0)?, at(0.25)?)?);
+    /// let query = PairBvtt::moving(rest, falling);
+    /// assert!(query.first_impact().is_none() && query.within(Distance::new(0.2)?).first_impact().is_none());
+    /// let (_, impact) = query.within(Distance::new(0.625)?).first_impact().expect("it comes within it");
+    /// assert!(impact.from <= 0.5 && 0.5 <= impact.to && impact.to < 0.500001);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn within(self, distance: Distance) -> Self {
+        let end = |query: Bvtt<'a, false>| match distance.get() > 0.0 {
+            true => query.within(distance).with_boxes_of_corners(),
+            false => query.in_own_frame().with_boxes_of_corners(),
+        };
+        Self { start: end(self.start), end: end(self.end) }
+    }
+}
+
+#[cfg(feature = "within")]
+impl MovingBvtt<'_, true> {
+    /// Asks for pairs that come within a distance while they move, as that of two meshes does. Triangles that share a vertex are decided by the rule
+    /// for neighbours, whatever the distance.
+    #[must_use]
+    pub fn within(self, distance: Distance) -> Self {
+        let [start, end] =
+            [self.start, self.end].map(|query| query.within(distance).with_boxes_of_corners());
+        Self { start, end }
     }
 }
 
@@ -146,9 +193,12 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
             return Some(Impact { from: first, to: f64::INFINITY });
         }
         let found = match self.indices(pair).filter(|&indices| share_a_vertex(indices)) {
+            None if self.start.reach().is_some() => {
+                impact_within(&p.corners, &q.corners, self.start.reach().unwrap_or_default())
+            }
             // Lanes have tried what separates most pairs.
-            None if self.errors().is_none() => {
-                let moving = MovingPair::new(&p.corners, &q.corners);
+            None if self.distance_of_lanes().is_some() => {
+                let moving = MovingPair::new(&p.corners, &q.corners, 0.0);
                 impact_in_steps(&p.corners, &q.corners, &moving)
             }
             None => impact_of(&p.corners, &q.corners),
@@ -164,13 +214,25 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         Some(Impact { from: from.max(first.min(to)), to })
     }
 
-    /// The errors of corners in lanes at the start and at the end, if one of them is in f64; lanes then compare boxes only.
+    /// How far boxes in lanes have to reach beyond corners at the start and at the end, for their errors if an end is in f64, and for a distance.
     #[inline(always)]
-    pub(super) fn errors(&self) -> Option<[[f32; 3]; 2]> {
-        match [&self.start, &self.end].map(Bvtt::error_of_lanes) {
-            [None, None] if !self.start.is_boxes_only() => None,
+    pub(super) fn growth(&self) -> Option<[[f32; 3]; 2]> {
+        let ends = [&self.start, &self.end];
+        if self.start.reach().is_some() {
+            return Some(ends.map(Bvtt::growth_of_second));
+        }
+        match ends.map(Bvtt::error_of_lanes) {
+            [None, None] => None,
             errors => Some(errors.map(Option::unwrap_or_default)),
         }
+    }
+
+    /// The distance for which lanes compare triangles; none if they compare boxes only, as those of shadows.
+    #[inline(always)]
+    pub(super) fn distance_of_lanes(&self) -> Option<f32> {
+        let is_shadow = [&self.start, &self.end].map(|end| end.error_of_lanes().is_some());
+        let compares = is_shadow == [false; 2] && !self.start.is_boxes_only();
+        compares.then(|| self.start.reach().unwrap_or_default())
     }
 
     /// The vertices of two triangles of one mesh.

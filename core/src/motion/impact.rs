@@ -3,7 +3,8 @@
 use super::pair::{MovingPair, MovingTriangle};
 use crate::exact::motion::{Question, Verdict};
 use crate::mesh::{MeshError, check_position};
-use crate::triangle::{Feature, intersects_in_f64, near_points};
+use crate::scalar::WITHIN;
+use crate::triangle::{Feature, intersects_in_f64, near_points, within_in_f64};
 use glam::DVec3;
 
 /// When two triangles meet first, as far as it is proven.
@@ -48,12 +49,17 @@ pub(super) enum Progress {
 
 impl MovingPair {
     /// Until when they are certainly apart that are so until a time; 1 if to the end.
-    #[inline(never)]
     fn apart_until(&self, time: f64) -> f64 {
-        match self.part(time, NEAREST) {
+        match self.part_of_few(time, NEAREST) {
             Progress::Apart => 1.0,
             Progress::Near(time, _) => time,
         }
+    }
+
+    /// [`MovingPair::part`], in one place for all but those pairs about which most questions are.
+    #[inline(never)]
+    fn part_of_few(&self, time: f64, near: f64) -> Progress {
+        self.part(time, near)
     }
 
     /// Whether the normal of one triangle half way, or the line between the middles of both, certainly separates them all the time: most pairs
@@ -71,10 +77,10 @@ impl MovingPair {
     }
 
     /// Goes from `time`, at which the triangles do not meet, from one certificate that they are apart to the next, until they are as near as a
-    /// part of their radius.
+    /// part of their radius; or are not within the distance, until they nearly are.
     #[inline(always)]
     pub(super) fn part(&self, mut time: f64, near: f64) -> Progress {
-        let reach = near * self.radius;
+        let reach = near * (self.radius + self.distance) + self.distance;
         let mut feature = Feature::Edges([0; 2]);
         for _ in 0..STEPS {
             let corners = self.at(time);
@@ -153,7 +159,7 @@ pub fn impact(a: &MovingTriangle, b: &MovingTriangle) -> Result<Option<Impact>, 
 /// [`impact`] of coordinates that are in range.
 #[inline(always)]
 pub(super) fn impact_of(a: &MovingTriangle, b: &MovingTriangle) -> Option<Impact> {
-    let pair = MovingPair::new(a, b);
+    let pair = MovingPair::new(a, b, 0.0);
     if pair.is_separated() { None } else { impact_in_steps(a, b, &pair) }
 }
 
@@ -199,4 +205,36 @@ fn impact_after(
     let Verdict::Near { from, to } = verdict else { return None };
     let meet_at_end = to.is_infinite() && intersects_in_f64(&a[1], &b[1]);
     Some(Impact { from, to: if meet_at_end { 1.0 } else { to } })
+}
+
+/// When two triangles come within a distance above 0 first, as [`impact_of`] tells when they meet.
+#[inline(never)]
+pub(super) fn impact_within(
+    a: &MovingTriangle,
+    b: &MovingTriangle,
+    distance: f32,
+) -> Option<Impact> {
+    if !WITHIN {
+        return None;
+    }
+    let pair = MovingPair::new(a, b, distance);
+    let Progress::Near(from, feature) = pair.part_of_few(0.0, NEAR) else { return None };
+    // Not even the first certificate held.
+    if from == 0.0 && within_in_f64(&a[0], &b[0], distance) {
+        return Some(Impact { from, to: 0.0 });
+    }
+    if pair.is_still() && a == &[a[0]; 2] && b == &[b[0]; 2] {
+        return None;
+    }
+    let certain =
+        |from: f64| pair.certainly_within(from).or_else(|| pair.certain_meeting(from, feature));
+    if let Some(to) = certain(from) {
+        return Some(Impact { from, to });
+    }
+    let from = pair.apart_until(from);
+    if from >= 1.0 {
+        return None;
+    }
+    let at_end = || within_in_f64(&a[1], &b[1], distance).then_some(1.0);
+    Some(Impact { from, to: certain(from).or_else(at_end).unwrap_or(f64::INFINITY) })
 }

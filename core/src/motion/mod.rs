@@ -38,10 +38,21 @@
 //! # One mesh
 //! Triangles that share vertices by index are decided by a rule of their own: see [`impact_in_mesh`].
 //!
+//! # Within a distance
+//! `within` of a [`MovingBvtt`] asks for pairs that come within a distance d in place of those that meet, with the same certificates: a direction
+//! n holds triangles apart whose heights along it differ by more than d |n|, and one that moves with features if they differ by more than d times the
+//! longest that it gets. Two points at most d apart, at one time, prove that they are within it, nearest or not. Integers decide at the times 0 and
+//! 1 only, so that pairs are open which come as near as d, but for rounding, and no nearer. Boxes reach d farther.
+//!
 //! # Rigid bodies
 //! They too are decided by their corners, in straight lines between both poses. A screw motion is off from it: a corner at the distance r
 //! from its axis, that turns by an angle θ, by r θ²/8 at most, for its acceleration is r θ², and linear interpolation is off by an eighth of
-//! that.
+//! that. So two bodies in screw motions, whose axes may move in straight lines, do not meet before they are within
+//!
+//! d = (r_A θ_A² + r_B θ_B²) / 8
+//!
+//! of each other in straight lines, with r the largest distance of a corner of each from its axis, and θ in radians: within d none of their contacts is
+//! missed, and none is earlier than `from`. With r = 0.5, a body adds 7.6e-5 for 2°, and 1.9e-3 for 10°; half the step takes a quarter.
 
 mod adjacency;
 mod apart;

@@ -27,10 +27,12 @@ pub(super) struct MovingPair {
     pub(super) ranges: DVec3,
     /// The largest coordinate: R in the bounds.
     pub(super) radius: f64,
+    /// The distance at which the triangles count as meeting, in the same scale; 0 if they have to meet.
+    pub(super) distance: f64,
 }
 
 impl MovingPair {
-    pub(super) fn new(a: &MovingTriangle, b: &MovingTriangle) -> Self {
+    pub(super) fn new(a: &MovingTriangle, b: &MovingTriangle, distance: f32) -> Self {
         let corner = |end: usize, k: usize| if k < 3 { &a[end][k] } else { &b[end][k - 3] };
         let mut ends = [[DVec3::ZERO; 6]; 2];
         let (mut radius, mut ranges) = (DVec3::ZERO, DVec3::ZERO);
@@ -50,7 +52,8 @@ impl MovingPair {
             *p *= scale;
         }
         let corners = [count(a), count(b)];
-        Self { ends, corners, ranges: ranges * scale, radius: radius * scale }
+        let (ranges, distance) = (ranges * scale, f64::from(distance) * scale);
+        Self { ends, corners, ranges, radius: radius * scale, distance }
     }
 
     /// The same motion backwards is the same pair with its ends swapped; if they are equal, no corner moves against another.

@@ -30,7 +30,7 @@ impl<const SELF: bool> Task for MovingTraversal<'_, '_, '_, SELF> {
     fn run<S: Simd>(mut self) -> ControlFlow<()> {
         let (mut stack, mut len) = ([(self.n, 0.0); STACK], 1);
         let mut blocks = [MovingBlocks::new(), MovingBlocks::new()];
-        let mut group = MovingGroup::new();
+        let mut group = MovingGroup::new(self.query.start.reach().unwrap_or_default());
         while len > 0 {
             len -= 1;
             let (n, time) = stack[len];
@@ -69,10 +69,10 @@ impl<const SELF: bool> MovingTraversal<'_, '_, '_, SELF> {
         let a = blocks_a.get::<S, SELF>(n.a, 0, [start, end]);
         let b = blocks_b.get::<S, SELF>(n.b, 1, [start, end]);
         let allowed = if SELF && n.a == n.b { BEFORE } else { u64::MAX };
-        let errors = self.query.errors();
-        let pairs = a.cull::<S, SELF>(b, allowed, start.adjacency(), errors);
+        let (growth, distance) = (self.query.growth(), self.query.distance_of_lanes());
+        let pairs = a.cull::<S, SELF>(b, allowed, start.adjacency(), growth, distance);
         self.work.triangle_tests += u64::from(pairs.overlapping.count_ones());
-        let alone = if errors.is_some() { pairs.open } else { pairs.may_share_vertex };
+        let alone = if distance.is_none() { pairs.open } else { pairs.may_share_vertex };
         let (mut left, mut rest) = (pairs.hits | alone, pairs.open & !alone);
         while left != 0 {
             let bit = left.trailing_zeros() as usize;

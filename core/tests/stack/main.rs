@@ -273,6 +273,11 @@ fn motions() {
                 let rest = MovingBvh::new(start, start).unwrap();
                 let query = PairBvtt::moving(rest, MovingBvh::new(start, end).unwrap());
                 check("MovingBvtt", || asked(&query));
+                #[cfg(feature = "within")]
+                {
+                    let query = query.within(pfront_core::Distance::new(0.125).unwrap());
+                    check("MovingBvtt", || asked(&query));
+                }
             }
         }
         // Every coordinate becomes another one that is there already.

@@ -6,6 +6,8 @@
 //! solutions, a pair of smaller faces has one of them.
 
 use super::lattice::{Coordinate, Vector, dot, minus, on_one_lattice, times};
+use super::motion::{MovingTriangle, dyadic};
+use super::sturm::Dyadic;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
 
@@ -23,6 +25,23 @@ pub fn within_each<C: Coordinate>(a: &[[C; 3]; 3], b: &[[C; 3]; 3], distances: &
         candidates.iter().any(|(length, denominator)| *length <= &square * denominator)
     };
     distances.iter().map(is_within).collect()
+}
+
+/// Whether two triangles that move are at most `distance` apart at a time between 0 and 1.
+pub fn within_at(a: &MovingTriangle, b: &MovingTriangle, time: f64, distance: f64) -> bool {
+    let [start, end] = [0, 1].map(|end| [a[end], b[end]].concat());
+    let ([start, end], distances) = on_one_lattice(&start, &end, &[distance]);
+    let Dyadic { numerator, exponent } = dyadic(time);
+    let one = BigInt::from(1) << exponent;
+    let before = &one - &numerator;
+    let corners = start.iter().zip(&end).map(|(p, q)| {
+        let (p, q) = (times(&before, p), times(&numerator, q));
+        [0, 1, 2].map(|k| &p[k] + &q[k])
+    });
+    let corners: Vec<_> = corners.collect();
+    let square = (&distances[0] * &one).pow(2);
+    let candidates = candidates(&corners[..3], &corners[3..]);
+    candidates.iter().any(|(length, denominator)| *length <= &square * denominator)
 }
 
 /// The squared distances of two points each, one of which are the nearest: numerators and denominators, in squared steps of

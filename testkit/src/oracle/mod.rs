@@ -18,7 +18,7 @@ mod sturm;
 mod volume;
 
 pub use crossing::crossing_points;
-pub use distance::{within, within_each};
+pub use distance::{within, within_at, within_each};
 pub use lattice::Coordinate;
 pub use meet::{Meet, OnLattice, meet};
 pub use mesh::{pairs, self_hit, self_pairs, share_a_vertex};

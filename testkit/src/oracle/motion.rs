@@ -173,7 +173,7 @@ fn minor(u: &Moving, v: &Moving, axis: usize) -> Polynomial {
     &(&u[j] * &v[k]) - &(&u[k] * &v[j])
 }
 
-fn dyadic(time: f64) -> Dyadic {
+pub(super) fn dyadic(time: f64) -> Dyadic {
     let (numerator, exponent) = parts(time);
     match exponent {
         0.. => Dyadic { numerator: BigInt::from(numerator) << exponent as u32, exponent: 0 },

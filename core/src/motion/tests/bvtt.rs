@@ -3,9 +3,13 @@
 extern crate std;
 
 use super::rounds;
+#[cfg(feature = "within")]
+use crate::Distance;
 use crate::bvh::{BuildOptions, BvhStorage, Refit, morton, node_bound, refit};
 use crate::bvtt::{NodePair, PairBvtt, PosedBvh, SelfBvtt, TrianglePair, Work};
 use crate::motion::common_time::first_overlap;
+#[cfg(feature = "within")]
+use crate::motion::impact::impact_within;
 use crate::motion::{Impact, MotionError, MovingBvh, MovingBvtt, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
 use crate::{Aabb, Bvh, Mesh, Node, Pose, Pose64};
@@ -326,4 +330,63 @@ fn what_is_no_motion_is_refused() {
     assert!(matches!(refused(&soup, &changed), Some(MotionError::Tree { .. })));
     let fewer = Soup::new(&mut rng, 8, 0.2);
     assert!(matches!(refused(&soup, &fewer), Some(MotionError::Triangle { .. })));
+}
+
+/// Pairs within a distance, by every verb, as every pair of triangles has them.
+#[cfg(feature = "within")]
+#[test]
+fn within_a_distance_as_every_pair() {
+    let (mut rng, mut hits) = (seeded(65), [0; 2]);
+    for round in 0..rounds().min(200) {
+        let distance = Distance::new([0.05, 0.3, 1e-3][round % 3]).unwrap();
+        let soups = [(); 2].map(|()| {
+            let n = rng.random_range(1..30);
+            Soup::new(&mut rng, n, 0.2)
+        });
+        let by = rng.random_range(0.0..0.5_f32);
+        let ends = soups.each_ref().map(|soup| {
+            soup.moved(|p| p.map(|x| if by > 0.0 { x + rng.random_range(-by..by) } else { x }))
+        });
+        let far = [[3.0, -2.0, 0.5], [0.0; 3]][round % 2];
+        let pose = |t: [f32; 3]| Pose::from_translation([0, 1, 2].map(|k| t[k] + far[k]));
+        let [a, b] = [0, 1].map(|k| {
+            let at = |bvh, t| match (round >> 1) % 3 {
+                0 => PosedBvh::in_f64(bvh, &Pose64::from(pose(t))).unwrap(),
+                _ => PosedBvh::new(bvh, &pose(t)).unwrap(),
+            };
+            let shift = 0.2 * k as f32;
+            MovingBvh::new(at(soups[k].bvh(), [shift; 3]), at(ends[k].bvh(), [-shift; 3])).unwrap()
+        });
+        let query = PairBvtt::moving(a, b).within(distance);
+        let (mut every, mut meet) = (Vec::new(), Vec::new());
+        for a in 0..soups[0].triangles.len() as u32 {
+            for b in 0..soups[1].triangles.len() as u32 {
+                let pair = TrianglePair { a, b };
+                every.extend(query.impact(pair).map(|impact| (pair, impact)));
+                meet.extend(query.within(Distance::default()).impact(pair).map(|_| pair));
+                let [p, q] = query.leaves(pair).map(|leaf| leaf.corners);
+                let alone = impact_within(&p, &q, distance.get());
+                if alone.is_some_and(Impact::is_proven) {
+                    assert_eq!(every.last().map(|hit| hit.0), Some(pair), "its boxes are apart");
+                }
+            }
+        }
+        hits[0] += every.len();
+        assert!(meet.iter().all(|pair| every.iter().any(|hit| hit.0 == *pair)));
+        check(&query, &every);
+        // One mesh, of which neighbours are decided by their own rule.
+        let motion = MovingBvh::new(at_rest(&soups[0]), at_rest(&ends[0])).unwrap();
+        let own = SelfBvtt::moving(motion).within(distance);
+        let mut every = Vec::new();
+        for b in 0..soups[0].triangles.len() as u32 {
+            for a in 0..b {
+                let pair = TrianglePair { a, b };
+                every.extend(own.impact(pair).map(|impact| (pair, impact)));
+            }
+        }
+        every.sort_by_key(|hit| hit.0);
+        hits[1] += every.len();
+        check(&own, &every);
+    }
+    assert!(cfg!(miri) || hits.iter().all(|&hits| hits > 1_000), "{hits:?}");
 }

@@ -3,6 +3,8 @@
 extern crate std;
 
 mod bvtt;
+#[cfg(feature = "within")]
+mod within;
 
 use super::{Impact, MovingTriangle, impact, impact_in_mesh};
 use crate::triangle::{Adjacency, intersects_in_mesh};
