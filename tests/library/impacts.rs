@@ -1,6 +1,7 @@
 //! Whether any triangles meet while two models move or one deforms, and how many: as the list of them has it, on any number of threads.
 
-use pfront::{Error, Executor, Impact, Model, Motion, PairQuery, Pose, SelfQuery, TrianglePair};
+use super::scene_impacts::executors;
+use pfront::{Error, Impact, Model, Motion, PairQuery, Pose, SelfQuery, TrianglePair};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
 use pfront_testkit::shapes::{pose_rows, sheet, sphere, tangle};
@@ -8,15 +9,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 type Timed = Vec<(TrianglePair, Impact)>;
-
-fn executors() -> Vec<Executor> {
-    let sequential = Executor::sequential();
-    let flagged = sequential.clone().with_cancel(Arc::new(AtomicBool::new(false)));
-    #[cfg(feature = "threads")]
-    return [sequential, flagged].into_iter().chain([1, 2, 3, 7].map(Executor::threads)).collect();
-    #[cfg(not(feature = "threads"))]
-    vec![sequential, flagged]
-}
 
 fn model(soup: MeshData) -> Model {
     Model::new(soup.positions, soup.triangles).unwrap()

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 type Found = Vec<(SceneHit, Impact)>;
 
-fn executors() -> Vec<Executor> {
+pub(crate) fn executors() -> Vec<Executor> {
     let sequential = Executor::sequential();
     let flagged = sequential.clone().with_cancel(Arc::new(AtomicBool::new(false)));
     #[cfg(feature = "threads")]
