@@ -11,7 +11,7 @@ use crate::results::Run;
 use crate::task::{GpuVerb, Start, Task};
 use wgpu::{Buffer, CommandBuffer, WriteOnly};
 
-/// All that the commands of a run from the seeds depend on, but for the copies for the host.
+/// All that the commands of a run from the seeds depend on, but for how much comes to the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Subject {
     bound: [u64; 2],
@@ -57,7 +57,7 @@ impl Ahead {
         Ok(Self { subject, commands, source, run })
     }
 
-    /// The commands with the parameters of a question, if they answer it and copy so much at least.
+    /// The commands with the parameters of a question, if they answer it and bring so much at least.
     pub(crate) fn take(
         self,
         engine: &mut Engine,
@@ -66,9 +66,9 @@ impl Ahead {
         verb: GpuVerb,
     ) -> Result<Option<(CommandBuffer, Run)>, GpuError> {
         let Self { subject, commands, source, mut run } = self;
-        // A buffer that the host still maps is no place for copies, and these commands keep no time.
+        // A buffer that the host still maps is no place for results, and these commands keep no time.
         let is_in_use = engine.read_back.is_pending() || engine.clock.is_some();
-        let suits = subject == Subject::new(engine, task, verb) && run.copies_at_least(copies);
+        let suits = subject == Subject::new(engine, task, verb) && run.brings_at_least(copies);
         if is_in_use || !suits {
             return Ok(None);
         }

@@ -16,8 +16,10 @@ pub(crate) enum Usage {
     List,
     /// Parameters.
     Uniform,
-    /// Mapped by the host to read.
+    /// Mapped by the host to read, and written by copies.
     ReadBack,
+    /// Written by shaders, and mapped by the host to read where the adapter can.
+    Results,
     /// Mapped by the host to write, and copied into other buffers.
     Staging,
 }
@@ -107,6 +109,10 @@ impl Gpu {
         let own = match usage {
             Usage::Input => BufferUsages::STORAGE | BufferUsages::COPY_DST,
             Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            Usage::Results if self.maps_results() => {
+                BufferUsages::STORAGE | BufferUsages::MAP_READ | BufferUsages::COPY_DST
+            }
+            Usage::Results => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             Usage::Uniform => BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             Usage::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             Usage::Staging if WEB => BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
@@ -114,7 +120,7 @@ impl Gpu {
         };
         let limits = self.device().limits();
         let bound = match usage {
-            Usage::Input | Usage::List => limits.max_storage_buffer_binding_size,
+            Usage::Input | Usage::List | Usage::Results => limits.max_storage_buffer_binding_size,
             Usage::Uniform | Usage::ReadBack | Usage::Staging => u64::MAX,
         };
         let available = limits.max_buffer_size.min(bound);

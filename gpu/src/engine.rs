@@ -163,7 +163,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Records a run, and copies of so many hits, sorted if all are wanted, and so many of the rest.
+    /// Records a run, and that so many hits, sorted if all are wanted, and so many of the rest are brought to the host.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -251,12 +251,12 @@ impl Engine {
         }
         self.prepare(encoder, source, from, start, start.kept(verb));
         let order = Order::new(verb, copies[0]);
+        self.read_back.make_room(&self.lists, copies)?;
         self.dispatch(encoder, task, start, passes, Some((verb, order)));
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
-        let run =
-            self.read_back.copy(encoder, &self.lists, copies, order, self.ticket, last_front)?;
+        let run = self.read_back.bring(encoder, copies, order, self.ticket, last_front);
         Ok(self.read_back.copy_outside(encoder, run, &self.outside))
     }
 
@@ -269,7 +269,8 @@ impl Engine {
     /// | a front under [`GpuVerb::AnyEach`]: `dive`, `decide` | the same | the same |
     /// | two meshes of which f32 left few pairs open before | the same | `narrow`, which writes results itself |
     ///
-    /// A list of few hits is put in order by `order`, of many by `sample`, `deal` and `settle`.
+    /// A list of few hits is put in order by `order`, of many by `sample`, `deal` and `settle`, and none by `bring`. The last of them
+    /// writes the results for the host.
     fn dispatch(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -280,7 +281,7 @@ impl Engine {
     ) {
         let (verb, order) = verb.unzip();
         let is_direct = self.is_direct(task) && matches!(verb, Some(GpuVerb::All | GpuVerb::Count));
-        let Self { gpu, descent, certifying, groups, workgroups, clock, .. } = self;
+        let Self { gpu, descent, certifying, groups, workgroups, clock, read_back, .. } = self;
         let (narrow, decide) = match certifying.as_ref().filter(|_| task.query.certify != 0) {
             Some(passes) => (&passes.narrow, &passes.certify),
             None => (&descent.narrow, &descent.decide),
@@ -318,16 +319,22 @@ impl Engine {
             }
         }
         match order {
-            None | Some(Order::None) => {}
+            None => {}
+            Some(Order::None { hits }) => {
+                let workgroups = hits.div_ceil(GROUP).max(1);
+                let all = [&groups.bring, &read_back.buffers.group];
+                dispatches.add(&shaders.bring, &all, workgroups);
+            }
             Some(Order::Few) => {
-                dispatches.add(&shaders.order, &[&groups.order], FEW * RANKERS / GROUP);
+                let all = [&groups.order, &read_back.buffers.group];
+                dispatches.add(&shaders.order, &all, FEW * RANKERS / GROUP);
             }
             Some(Order::Many) => {
                 let [sample, deal, settle] = &groups.sort;
                 let ranked = FINER * BUCKETS;
                 dispatches.add(&shaders.sample, &[sample], ranked * RANKERS / GROUP);
                 dispatches.add(&shaders.deal, &[deal], *workgroups);
-                dispatches.add(&shaders.settle, &[settle], BUCKETS);
+                dispatches.add(&shaders.settle, &[settle, &read_back.buffers.group], BUCKETS);
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::totals::Totals;
 use crate::untold::Untold;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
-    CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
+    BRING, CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
     NARROW_DIRECT, NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,6 +17,11 @@ use wgpu::{Device, Features, Queue};
 /// Features that a device needs to keep time.
 pub(crate) const TIMESTAMPS: Features =
     Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+
+/// A feature with which passes write results where the host maps them. Without it, as in a browser, these are copied.
+///
+/// wgpu warns of it for discrete GPUs, which write such memory over PCIe: a copy of results does so as well.
+const MAPPED_RESULTS: Features = Features::MAPPABLE_PRIMARY_BUFFERS;
 
 /// A device, its queue, and the passes compiled for it. Copying is free and shares them.
 ///
@@ -55,6 +60,7 @@ type Failure = Arc<Mutex<Option<GpuError>>>;
 pub(crate) struct Passes {
     /// About two meshes or one.
     pub(crate) meshes: Arc<Descent>,
+    pub(crate) bring: Pass,
     pub(crate) order: Pass,
     pub(crate) sample: Pass,
     pub(crate) deal: Pass,
@@ -133,7 +139,7 @@ impl Gpu {
             label: Some("pfront"),
             // All the memory that there is; everything else stays within the defaults.
             required_limits: adapter.limits(),
-            required_features: adapter.features() & TIMESTAMPS,
+            required_features: adapter.features() & (TIMESTAMPS | MAPPED_RESULTS),
             ..Default::default()
         };
         let refused = |error: wgpu::RequestDeviceError| GpuError::NoDevice {
@@ -193,6 +199,7 @@ impl Gpu {
                 [&SEED, &EXPAND, &NARROW, &DECIDE],
                 Some(&NARROW_DIRECT),
             )?,
+            bring: pass(&BRING)?,
             order: pass(&ORDER)?,
             sample: pass(&SAMPLE)?,
             deal: pass(&DEAL)?,
@@ -244,6 +251,11 @@ impl Gpu {
     #[must_use]
     pub fn queue(&self) -> &Queue {
         &self.shared.queue
+    }
+
+    /// Whether passes write results where the host maps them.
+    pub(crate) fn maps_results(&self) -> bool {
+        self.device().features().contains(MAPPED_RESULTS)
     }
 
     /// How posed positions are computed on this adapter.

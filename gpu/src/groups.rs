@@ -47,6 +47,7 @@ pub(crate) struct Groups {
     /// By the index of the front that is read.
     pub(crate) steps: Vec<BindGroup>,
     pub(crate) refine: BindGroup,
+    pub(crate) bring: BindGroup,
     pub(crate) order: BindGroup,
     /// Groups of the passes that sort many hits, in order.
     pub(crate) sort: [BindGroup; 3],
@@ -61,6 +62,7 @@ impl Groups {
             first_step: lists.bind_step(gpu, &descent.first, 0)?,
             steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
             refine: step(REFINE)?,
+            bring: lists.bind(gpu, &passes.bring, 0)?,
             order: lists.bind(gpu, &passes.order, 0)?,
             sort: [
                 lists.bind(gpu, &passes.sample, 0)?,

@@ -5,7 +5,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use pfront_core::Pose;
-use pfront_shaders::constants::{FRONTS, PADDING};
+use pfront_shaders::constants::{FRONTS, PADDING, REST_WORDS};
 
 /// Declares a `#[repr(C)]` struct and the table of its fields, for the comparison.
 macro_rules! shared {
@@ -155,6 +155,8 @@ shared! {
         padding_after: u32,
     }
 }
+
+const _: () = assert!(size_of::<Rest>() == 16 * REST_WORDS as usize);
 
 impl Counters {
     pub(crate) fn longest_front(&self) -> u32 {

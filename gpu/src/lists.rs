@@ -7,15 +7,13 @@ use crate::layout::{Counters, Query, Rest, Step};
 use crate::parameters::Parameters;
 use crate::pass::Pass;
 use crate::settings::Capacities;
+use crate::task::GpuVerb;
 use crate::{GpuError, GpuSettings};
-use pfront_shaders::constants::{BUCKETS, FEW, FRONTS};
-use wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferSize};
+use pfront_shaders::constants::{BUCKETS, FRONTS};
+use wgpu::{BindGroup, Buffer};
 
 /// The step that puts the children of front 0, leaf pairs among them, into front 1.
 pub(crate) const REFINE: u32 = FRONTS;
-
-/// The byte behind the counters at which few hits are, in order: bindings begin at multiples of 256.
-pub(crate) const ORDERED_AT: u64 = (size_of::<Counters>() as u64).next_multiple_of(256);
 
 /// Buffers of fixed size.
 #[derive(Debug)]
@@ -23,12 +21,13 @@ pub(crate) struct Lists {
     pub(crate) capacities: Capacities,
     /// Read and written in turn: front p is in buffer p mod 2.
     pub(crate) fronts: [Buffer; 2],
+    /// In no order.
     pub(crate) hits: Buffer,
     pub(crate) rest: Buffer,
-    /// Counters, and at [`ORDERED_AT`] few hits in order, so that one copy brings both.
     pub(crate) counters: Buffer,
     pub(crate) query: Buffer,
-    leaves: Buffer,
+    /// Leaf pairs; in their place hits in order, once nothing reads them any more.
+    pub(crate) leaves: Buffer,
     kept: Buffer,
     /// For sorting the hits.
     buckets: Buffer,
@@ -50,7 +49,7 @@ impl Lists {
             kept: list("the triangle pairs", capacities.kept, 8)?,
             buckets: list("the buckets", BUCKETS, 12)?,
             rest: list("the pairs for the CPU", capacities.rest, size_of::<Rest>())?,
-            counters: list("the counters", ORDERED_AT as u32 / 8 + FEW, 8)?,
+            counters: list("the counters", 1, size_of::<Counters>())?,
             query: gpu.buffer("the query", size_of::<Query>() as u64, Usage::Uniform)?,
             steps: Parameters::new(gpu, "the steps", &steps())?,
         })
@@ -58,26 +57,22 @@ impl Lists {
 
     /// The bind group of a pass for everything but meshes and steps.
     pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, GpuError> {
-        let part = |offset, bytes| {
-            let (buffer, size) = (&self.counters, BufferSize::new(bytes));
-            BindingResource::Buffer(BufferBinding { buffer, offset, size })
-        };
         let buffers = [
             ("query", &self.query),
+            ("counters", &self.counters),
             ("leaves", &self.leaves),
+            ("sorted", &self.leaves),
             ("hits", &self.hits),
             ("kept", &self.kept),
             ("rest", &self.rest),
             ("buckets", &self.buckets),
         ];
-        pass.bind(gpu.device(), group, |name| match name {
-            "counters" => Some(part(0, ORDERED_AT)),
-            "ordered" => Some(part(ORDERED_AT, 8 * u64::from(FEW))),
-            _ => {
-                let (_, buffer) = buffers.iter().find(|(own, _)| *own == name)?;
-                Some(buffer.as_entire_binding())
-            }
-        })
+        pass.bind_buffers(gpu.device(), group, &buffers)
+    }
+
+    /// The hits of a run: put in order, as far as that is possible, where all are wanted.
+    pub(crate) fn results(&self, verb: GpuVerb) -> &Buffer {
+        if verb == GpuVerb::All { &self.leaves } else { &self.hits }
     }
 
     /// The fronts of pass `index` and its parameters.

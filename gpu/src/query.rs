@@ -371,7 +371,7 @@ impl GpuQuery {
     /// more than in the last answers, or very uneven: [`GpuQuery::read`] sorts then what it brings.
     #[must_use]
     pub fn hits_buffer(&self) -> &Buffer {
-        &self.runner.engine.lists.hits
+        self.runner.engine.lists.results(self.verb)
     }
 
     /// The counters: `array<u32>`, of which the constants of this type name three.

@@ -3,7 +3,7 @@
 use crate::buffer::Usage;
 use crate::device::release;
 use crate::layout::{Counters, Rest};
-use crate::lists::{Lists, ORDERED_AT};
+use crate::lists::Lists;
 use crate::memory::append;
 use crate::model::Outside;
 use crate::read::Mapping;
@@ -12,7 +12,9 @@ use crate::{Gpu, GpuError};
 use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::FEW;
 use std::sync::atomic::AtomicBool;
-use wgpu::{Buffer, CommandEncoder, MapMode};
+use wgpu::{
+    BindGroup, BindingResource, Buffer, BufferBinding, BufferSize, CommandEncoder, MapMode,
+};
 
 /// A run that has been recorded.
 #[derive(Clone, Debug)]
@@ -20,18 +22,18 @@ pub(crate) struct Run {
     pub(crate) ticket: u32,
     /// The front after the last pass, which is empty if the run got to the bottom.
     pub(crate) last_front: u32,
-    /// How many hits, and how many of the rest, are copied for the host.
-    copied: [u32; 2],
+    /// How many hits, and how many of the rest, come to the host.
+    brought: [u32; 2],
     order: Order,
-    /// Hits that are copied, of a run that counts no more.
-    most_hits: u32,
     /// The vertices of each mesh of which the device tells whether one is outside of its box.
     vertices: [u32; 2],
-    /// The buffer into which they are copied.
+    /// The buffer in which they come.
     read_back: Buffer,
+    /// Where the hits begin in it.
+    hits_at: u64,
 }
 
-/// The results of a run, as far as they were copied.
+/// The results of a run, as far as they were brought.
 #[derive(Debug)]
 pub(crate) struct Found {
     pub(crate) counters: Counters,
@@ -40,19 +42,38 @@ pub(crate) struct Found {
     pub(crate) in_order: bool,
 }
 
-/// The buffer in which results come to the host.
+/// How results come to the host.
 #[derive(Debug)]
 pub(crate) struct ReadBack {
     gpu: Gpu,
-    buffer: Buffer,
+    pub(crate) buffers: ReadBackBuffers,
     /// If the host has begun to read.
     mapping: Option<Mapping>,
 }
 
+/// The buffers in which results come to the host.
+#[derive(Debug)]
+pub(crate) struct ReadBackBuffers {
+    /// Written by the last pass.
+    results: Buffer,
+    /// A copy for the host, where it cannot map `results`.
+    copy: Option<Buffer>,
+    /// How many hits, and how many of the rest, there is room for.
+    room: [u32; 2],
+    /// The bind group of `results`, for the passes that may be the last.
+    pub(crate) group: BindGroup,
+}
+
 impl Run {
-    /// Whether so many hits, and so many of the rest, are copied as far as there are any.
-    pub(crate) fn copies_at_least(&self, [hits, rest]: [u32; 2]) -> bool {
-        hits <= self.copied[0].min(self.most_hits) && rest <= self.copied[1]
+    /// Whether so many hits, and so many of the rest, come to the host, as far as there are any, and hits in order.
+    pub(crate) fn brings_at_least(&self, [hits, rest]: [u32; 2]) -> bool {
+        let is_ordered = self.order != Order::Few || hits <= FEW;
+        is_ordered && hits <= self.brought[0] && rest <= self.brought[1]
+    }
+
+    /// The bytes of the read-back buffer that the host reads.
+    fn bytes(&self) -> u64 {
+        self.hits_at + u64::from(self.brought[0]) * size_of::<TrianglePair>() as u64
     }
 
     /// The first vertex outside of its box by what the device told, if it was asked.
@@ -66,10 +87,31 @@ impl Run {
     }
 }
 
+impl ReadBackBuffers {
+    fn new(gpu: &Gpu, room: [u32; 2]) -> Result<Self, GpuError> {
+        let hits_at = hits_at(room[1]);
+        let bytes = hits_at + u64::from(room[0].max(1)) * size_of::<TrianglePair>() as u64;
+        let results = gpu.buffer("the results", bytes, Usage::Results)?;
+        let copy = || gpu.buffer("the read-back", bytes, Usage::ReadBack);
+        let copy = (!gpu.maps_results()).then(copy).transpose()?;
+        let part = |offset, size| {
+            let (buffer, size) = (&results, BufferSize::new(size));
+            Some(BindingResource::Buffer(BufferBinding { buffer, offset, size }))
+        };
+        // `bring` and `settle` have the same layout.
+        let group = gpu.passes().order.bind(gpu.device(), 1, |name| match name {
+            "read_back" => part(0, hits_at),
+            "read_back_hits" => part(hits_at, bytes - hits_at),
+            _ => None,
+        })?;
+        Ok(Self { results, copy, room, group })
+    }
+}
+
 impl ReadBack {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let buffer = gpu.buffer("the read-back", 4096, Usage::ReadBack)?;
-        Ok(Self { gpu: gpu.clone(), buffer, mapping: None })
+        let buffers = ReadBackBuffers::new(gpu, [FEW, 64])?;
+        Ok(Self { gpu: gpu.clone(), buffers, mapping: None })
     }
 
     /// Whether the host has begun to read a run, and not read it to the end.
@@ -81,48 +123,46 @@ impl ReadBack {
     /// it was unmapped and is to be mapped after a later one.
     pub(crate) fn forget(&mut self) -> Result<(), GpuError> {
         if self.mapping.take().is_some() {
-            self.buffer = self.gpu.buffer("the read-back", self.buffer.size(), Usage::ReadBack)?;
+            self.buffers = ReadBackBuffers::new(&self.gpu, self.buffers.room)?;
         }
         Ok(())
     }
 
-    /// Records that counters and results are copied for the host, after the last pass of the run of this ticket.
-    pub(crate) fn copy(
-        &mut self,
+    /// Has room for so many hits, and so many of the rest, of the run that is recorded next, as far as lists can hold them.
+    pub(crate) fn make_room(&mut self, lists: &Lists, most: [u32; 2]) -> Result<(), GpuError> {
+        let capacities = [lists.capacities.hits, lists.capacities.rest];
+        let now = self.buffers.room;
+        let is_enough = [0, 1].map(|k| now[k] >= most[k].min(capacities[k]));
+        if is_enough != [true; 2] {
+            // Half as much again, so that answers that grow do not replace it each time.
+            let roomy = |k: usize| most[k].saturating_add(most[k] / 2).min(capacities[k]);
+            let room = [0, 1].map(|k| if is_enough[k] { now[k] } else { roomy(k) });
+            self.buffers = ReadBackBuffers::new(&self.gpu, room)?;
+        }
+        Ok(())
+    }
+
+    /// Records that counters and results come to the host, after the last pass of the run of this ticket: by a copy, unless
+    /// that pass has written them where the host can map them.
+    pub(crate) fn bring(
+        &self,
         encoder: &mut CommandEncoder,
-        lists: &Lists,
         most: [u32; 2],
         order: Order,
         ticket: u32,
         last_front: u32,
-    ) -> Result<Run, GpuError> {
-        let capacities = &lists.capacities;
-        let copied = [most[0].min(capacities.hits), most[1].min(capacities.rest)];
-        let [hits_at, rest_at, outside_at, end] = offsets(copied);
-        if self.buffer.size() < end {
-            // Half as much again, so that answers that grow do not replace it each time.
-            self.buffer = self.gpu.buffer("the read-back", end + end / 2, Usage::ReadBack)?;
+    ) -> Run {
+        let ReadBackBuffers { results, copy, room, .. } = &self.buffers;
+        let most = if copy.is_some() { most } else { *room };
+        let [hits, rest] = [0, 1].map(|k| most[k].min(room[k]));
+        let brought = [hits.min(order.most()), rest];
+        let (vertices, hits_at) = ([0; 2], hits_at(room[1]));
+        let read_back = copy.as_ref().unwrap_or(results).clone();
+        let run = Run { ticket, last_front, brought, order, vertices, read_back, hits_at };
+        if let Some(copy) = copy {
+            encoder.copy_buffer_to_buffer(results, 0, copy, 0, run.bytes());
         }
-        let mut copy = |from: &Buffer, at: u64, bytes: u64| {
-            if bytes != 0 {
-                encoder.copy_buffer_to_buffer(from, 0, &self.buffer, at, bytes);
-            }
-        };
-        let few = FEW.min(capacities.hits);
-        if order == Order::Few {
-            copy(&lists.counters, 0, rest_at);
-        } else {
-            copy(&lists.counters, 0, size_of::<Counters>() as u64);
-            copy(&lists.hits, hits_at, rest_at - hits_at);
-        }
-        copy(&lists.rest, rest_at, outside_at - rest_at);
-        if order == Order::Few {
-            let bytes = u64::from(few) * size_of::<TrianglePair>() as u64;
-            encoder.copy_buffer_to_buffer(&lists.counters, ORDERED_AT, &lists.hits, 0, bytes);
-        }
-        let most_hits = if order == Order::Few { few } else { u32::MAX };
-        let (vertices, read_back) = ([0; 2], self.buffer.clone());
-        Ok(Run { ticket, last_front, copied, order, most_hits, vertices, read_back })
+        run
     }
 
     /// Records that what the device tells about positions which the host has not seen is copied too.
@@ -132,10 +172,9 @@ impl ReadBack {
         mut run: Run,
         outside: &[Option<Outside>; 2],
     ) -> Run {
-        let [.., at, _] = offsets(run.copied);
         for (k, outside) in outside.iter().enumerate() {
             if let Some(Outside { buffer, vertices }) = outside {
-                let at = at + (k * size_of::<u32>()) as u64;
+                let at = OUTSIDE_AT + (k * size_of::<u32>()) as u64;
                 encoder.copy_buffer_to_buffer(buffer, 0, &run.read_back, at, 4);
                 run.vertices[k] = *vertices;
             }
@@ -146,8 +185,7 @@ impl ReadBack {
     /// Whether a run is done, which must have been submitted.
     pub(crate) fn is_done(&mut self, run: &Run) -> Result<bool, GpuError> {
         let Self { gpu, mapping, .. } = self;
-        let [.., end] = offsets(run.copied);
-        let begin = || Mapping::begin(gpu.device(), &run.read_back, end, MapMode::Read);
+        let begin = || Mapping::begin(gpu.device(), &run.read_back, run.bytes(), MapMode::Read);
         let done = mapping.get_or_insert_with(begin).is_done(gpu.device());
         done.map_err(|error| gpu.cause_of(error))
     }
@@ -159,29 +197,22 @@ impl ReadBack {
         pairs: &mut Vec<TrianglePair>,
         cancel: Option<&AtomicBool>,
     ) -> Result<Found, GpuError> {
-        let [hits_at, rest_at, outside_at, end] = offsets(run.copied).map(|at| at as usize);
         let Self { gpu, mapping, .. } = self;
         gpu.settle().await?;
-        let (device, bytes) = (gpu.device(), end as u64);
+        let (device, bytes) = (gpu.device(), run.bytes());
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
         let reading = mapping.get_or_insert_with(begin);
         let take = |bytes: &[u8]| {
             let counters = &bytes[..size_of::<Counters>()];
             let counters: Counters = bytemuck::pod_read_unaligned(counters);
-            // Too many to be put in order are all copied later.
-            let copied = if counters.hits <= run.most_hits { run.copied[0] } else { 0 };
-            let hits = counters.hits.min(copied) as usize;
-            let rest = (counters.rest as usize * size_of::<Rest>()).min(outside_at - rest_at);
-            let copied = &bytes[hits_at..][..hits * size_of::<TrianglePair>()];
-            append(pairs, copied)?;
-            let in_order = match run.order {
-                Order::None => false,
-                Order::Few => counters.hits <= run.most_hits,
-                Order::Many => counters.unordered == 0,
-            };
-            let rest = bytemuck::pod_collect_to_vec(&bytes[rest_at..][..rest]);
-            let outside: [u32; 2] = bytemuck::pod_read_unaligned(&bytes[outside_at..]);
-            let outside = run.outside(outside);
+            let [hits, rest] = [counters.hits, counters.rest];
+            let hits = hits.min(run.brought[0]) as usize * size_of::<TrianglePair>();
+            let rest = rest.min(run.brought[1]) as usize * size_of::<Rest>();
+            append(pairs, &bytes[run.hits_at as usize..][..hits])?;
+            let in_order = counters.unordered == 0;
+            let rest = bytemuck::pod_collect_to_vec(&bytes[REST_AT as usize..][..rest]);
+            let told = &bytes[OUTSIDE_AT as usize..][..size_of::<[u32; 2]>()];
+            let outside = run.outside(bytemuck::pod_read_unaligned(told));
             Ok::<_, GpuError>((Found { counters, in_order, rest }, outside))
         };
         let found = reading.read(device, &run.read_back, bytes, cancel, take).await;
@@ -200,15 +231,18 @@ impl ReadBack {
 
 impl Drop for ReadBack {
     fn drop(&mut self) {
-        release([&self.buffer]);
+        let ReadBackBuffers { results, copy, .. } = &self.buffers;
+        release(copy.iter().chain([results]));
     }
 }
 
-/// Where hits, the rest, and what is told about positions begin in the read-back buffer, and where that ends. Few hits in order are
-/// as far from the counters on the device.
-fn offsets([hits, rest]: [u32; 2]) -> [u64; 4] {
-    let hits_at = ORDERED_AT;
-    let rest_at = hits_at + u64::from(hits) * size_of::<TrianglePair>() as u64;
-    let outside_at = rest_at + u64::from(rest) * size_of::<Rest>() as u64;
-    [hits_at, rest_at, outside_at, outside_at + size_of::<[u32; 2]>() as u64]
+/// Where what is told about positions begins in the read-back buffer.
+const OUTSIDE_AT: u64 = size_of::<Counters>() as u64;
+
+/// Where the rest begins in it.
+pub(crate) const REST_AT: u64 = (OUTSIDE_AT + size_of::<[u32; 2]>() as u64).next_multiple_of(16);
+
+/// Where hits begin in it, if it has room for so many of the rest: bindings begin at multiples of 256.
+fn hits_at(rest: u32) -> u64 {
+    (REST_AT + u64::from(rest.max(1)) * size_of::<Rest>() as u64).next_multiple_of(256)
 }

@@ -111,7 +111,7 @@ impl Runner {
         self.report = GpuReport::default();
     }
 
-    /// Records a run, with copies of as many results as are likely to be wanted.
+    /// Records a run that brings as many results as are likely to be wanted.
     pub(crate) fn record(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -124,7 +124,7 @@ impl Runner {
             _ => copies(verb, self.likely()),
         };
         if self.engine.read_back.is_pending() {
-            // Commands recorded ahead copy into a buffer that this run replaces.
+            // Commands recorded ahead write into a buffer that this run replaces.
             self.ahead = None;
         }
         self.engine.record(encoder, task, start, copies, verb)
@@ -387,7 +387,8 @@ impl Runner {
         if is_listed && self.pairs.len() - before < counters.hits as usize {
             self.pairs.truncate(before);
             let count = counters.hits as usize;
-            let hits = read_now(device, queue, again(), &lists.hits, count, cancel).await?;
+            let list = lists.results(verb);
+            let hits = read_now(device, queue, again(), list, count, cancel).await?;
             reserve(&mut self.pairs, hits.len())?;
             self.pairs.extend_from_slice(&hits);
         }

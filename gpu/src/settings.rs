@@ -42,8 +42,8 @@ impl Default for GpuSettings {
 ///
 /// With n = bytes / 64, a front holds n node pairs (there are two), the lists of leaf pairs and of the
 /// triangle pairs that the first tests leave 2n each, that of hits n, and that of triangle
-/// pairs for the CPU n / 16. Counters, parameters and what sorts the hits take 48 KiB more; a read-back
-/// buffer of the host is as large as the answer.
+/// pairs for the CPU n / 16. Counters, parameters and what sorts the hits take 32 KiB more; a read-back
+/// buffer of the host is as large as the answer, and another of the device where the host cannot map what shaders write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// At least [`Budget::LEAST`].

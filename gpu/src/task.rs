@@ -2,7 +2,7 @@
 
 use crate::layout::{Counters, Query};
 use bytemuck::Zeroable;
-use pfront_shaders::constants::{FEW, LEAF};
+use pfront_shaders::constants::{FEW, GROUP, LEAF};
 use std::mem::offset_of;
 
 /// The verbs of a query.
@@ -86,11 +86,11 @@ impl<'a> Start<'a> {
     }
 }
 
-/// The passes that put hits in order.
+/// The passes that put hits in order, if any, and write the results for the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
-    /// No pass: any order will do.
-    None,
+    /// One pass, which brings so many hits as they are.
+    None { hits: u32 },
     /// One pass, which leaves more than [`FEW`] as they are.
     Few,
     /// As many as there may be.
@@ -103,7 +103,17 @@ impl Order {
         match verb {
             GpuVerb::All if hits <= FEW => Self::Few,
             GpuVerb::All => Self::Many,
-            GpuVerb::Any | GpuVerb::Count | GpuVerb::AnyEach | GpuVerb::CountEach => Self::None,
+            GpuVerb::Any | GpuVerb::Count | GpuVerb::AnyEach | GpuVerb::CountEach => {
+                Self::None { hits: hits.min(65_535 * GROUP) }
+            }
+        }
+    }
+
+    /// The most hits that they bring.
+    pub(crate) fn most(self) -> u32 {
+        match self {
+            Self::None { hits } => hits,
+            Self::Few | Self::Many => u32::MAX,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::layout::SHARED;
 use crate::pass::rounds;
+use crate::results::REST_AT;
 use crate::settings::{Budget, Capacities};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{
@@ -114,6 +115,9 @@ fn structs_have_the_same_layout_in_wgsl_and_in_rust() {
         }
     }
     assert_eq!(compared.len(), SHARED.len() + 1, "{compared:?}");
+    let (module, _) = parse(&pfront_shaders::ORDER);
+    let (_, fields) = layout(&module, "ReadBack").unwrap();
+    assert_eq!(fields.last(), Some(&("rest", REST_AT as usize)));
 }
 
 /// naga 30 decorates no buffer as coherent, so that one invocation may never see what another of its

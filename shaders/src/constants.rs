@@ -57,6 +57,8 @@ constants! {
     FEW = 2 * BUCKETS;
     /// Invocations that rank a hit of the sample.
     RANKERS = 8;
+    /// Vectors of four words of a triangle pair for the CPU.
+    REST_WORDS = 7;
     /// Hits that a bucket can hold.
     BUCKET = 1024;
     /// A leaf in the list of leaf pairs: its first slot below this bit, its triangles less one from

@@ -133,6 +133,7 @@ texts! {
     PREFIX = "parts/prefix";
     RANK = "parts/rank";
     RANKING = "parts/ranking";
+    READ_BACK = "parts/read_back";
     RESULTS = "parts/results";
     SHARING = "parts/sharing";
     SIGNS = "parts/signs";
@@ -247,9 +248,19 @@ pub const DECIDE_INSTANCES: Pass = pass!(
     [query, counters, hits, kept, rest, corners_a, order_a, pairs, tallies]
 );
 
-/// Few hits in order.
-pub const ORDER: Pass =
-    pass!("order", [LAYOUT, GROUP, RANKING, RANK], [query, counters, hits, ordered]);
+/// The results for the host, hits as they are.
+pub const BRING: Pass = pass!(
+    "bring",
+    [LAYOUT, GROUP, RANKING, READ_BACK],
+    [query, counters, hits, rest, read_back, read_back_hits]
+);
+
+/// The results for the host, few hits in order.
+pub const ORDER: Pass = pass!(
+    "order",
+    [LAYOUT, GROUP, RANKING, READ_BACK, RANK],
+    [query, counters, hits, sorted, rest, read_back, read_back_hits]
+);
 
 /// Where the buckets of a sort of the hits begin.
 pub const SAMPLE: Pass =
@@ -259,9 +270,12 @@ pub const SAMPLE: Pass =
 pub const DEAL: Pass =
     pass!("deal", [LAYOUT, GROUP, RANKING], [query, counters, hits, kept, buckets]);
 
-/// Hits in order.
-pub const SETTLE: Pass =
-    pass!("settle", [LAYOUT, GROUP, RANKING, RANK], [query, counters, hits, kept, buckets]);
+/// The results for the host, hits in order.
+pub const SETTLE: Pass = pass!(
+    "settle",
+    [LAYOUT, GROUP, RANKING, READ_BACK, RANK],
+    [query, counters, hits, kept, buckets, sorted, rest, read_back, read_back_hits]
+);
 
 /// Corners of a mesh in the order of its leaves.
 pub const GATHER: Pass = pass!("gather", [LAYOUT, SOURCE], [positions, triangles, order, corners]);
@@ -315,7 +329,7 @@ pub const FIT: Pass =
 pub const PROBE: Pass = pass!("probe", [NOTHING, PLACE, SOFT, WIDE], [trials]);
 
 /// Every pass.
-pub const PASSES: [Pass; 25] = [
+pub const PASSES: [Pass; 26] = [
     SEED,
     EXPAND,
     NARROW,
@@ -326,6 +340,7 @@ pub const PASSES: [Pass; 25] = [
     EXPAND_INSTANCES,
     NARROW_INSTANCES,
     DECIDE_INSTANCES,
+    BRING,
     ORDER,
     SAMPLE,
     DEAL,

@@ -2,25 +2,39 @@
 
 use crate::common::{Both, gpu, truth};
 use pfront_core::Pose;
-use pfront_gpu::{GpuQuery, GpuQuestion, wgpu};
+use pfront_gpu::{Gpu, GpuModel, GpuQuery, GpuQuestion, wgpu};
 use pfront_shaders::constants;
 use pfront_testkit::shapes::sphere;
 
 /// The passes that put hits in order are recorded before the number of hits is known, by that of the last answer.
 #[test]
 fn answers_that_grow_and_shrink_are_in_order() {
-    let mut query = GpuQuery::new(gpu()).unwrap();
     let soup = sphere(24);
     let ball = Both::new(&soup.positions, &soup.triangles, 4);
     let [apart, few, many] = [3.0, 0.5, 0.0].map(|x| Pose::from_translation([x, 0.0, 0.0]));
     let most = truth(&ball, &ball, &many).len();
     assert!(most > constants::FEW as usize, "{most}");
-    for pose in [&apart, &many, &many, &few, &few, &apart, &few, &many] {
-        assert_eq!(
-            query.all(&GpuQuestion::pair(&ball.model, &ball.model, pose)).unwrap(),
-            truth(&ball, &ball, pose)
-        );
+    for gpu in [gpu(), &without_features()] {
+        let model = GpuModel::new(gpu, ball.bvh()).unwrap();
+        let mut query = GpuQuery::new(gpu).unwrap();
+        for pose in [&apart, &many, &many, &few, &few, &apart, &few, &many] {
+            let (question, truth) =
+                (GpuQuestion::pair(&model, &model, pose), truth(&ball, &ball, pose));
+            assert_eq!(query.all(&question).unwrap(), truth);
+            assert_eq!(query.count(&question).unwrap(), truth.len() as u64);
+            let any = query.any(&question).unwrap();
+            assert!(any.map_or(truth.is_empty(), |pair| truth.binary_search(&pair).is_ok()));
+        }
     }
+}
+
+/// A device on which the host reads a copy of the results, and does not map what passes write.
+fn without_features() -> Gpu {
+    let instance =
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default())).unwrap();
+    Gpu::from_device(device, queue).unwrap()
 }
 
 /// So many that the sample which divides them is a larger one; the device puts them in order by itself.

@@ -87,7 +87,7 @@ struct Counters {
     kept: atomic<u32>,
     open: atomic<u32>,
     rest: atomic<u32>,
-    // Not 0 if there were too many hits in a bucket to sort them.
+    // For the host, not 0 if there were too many hits to put them in order.
     unordered: atomic<u32>,
     // Node pairs whose children were tested.
     node_pairs: atomic<u32>,

@@ -17,7 +17,10 @@ struct Buckets {
 // Free when hits are sorted: `room` hits for each bucket.
 @group(0) @binding(3) var<storage, read_write> kept: array<vec2u>;
 @group(0) @binding(4) var<storage, read_write> buckets: Buckets;
-@group(0) @binding(5) var<storage, read_write> ordered: array<vec2u, FEW>;
+// In order: where the leaf pairs were, which nothing reads any more.
+@group(0) @binding(5) var<storage, read_write> sorted: array<vec2u>;
+// Triangle pairs for the CPU, by vectors of words.
+@group(0) @binding(6) var<storage, read_write> rest: array<vec4u>;
 
 // How many hits there are, from the first invocation of a workgroup: thousands that load one word wait for each other.
 fn hit_count(lane: u32) -> u32 {

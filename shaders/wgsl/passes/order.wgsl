@@ -1,17 +1,22 @@
-// Reads hits, writes them in order if there are few, else as many as there is room for as they are. RANKERS invocations
-// rank a hit among all others.
+// Reads results, writes them for the host; hits in order if there are few, else as they are. RANKERS invocations rank a hit
+// among all others.
 
 var<workgroup> ranks: array<atomic<u32>, GROUP / RANKERS>;
 
 @compute @workgroup_size(GROUP)
-fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
+fn order(
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+) {
     const MINE = GROUP / RANKERS;
     let count = hit_count(lane);
     let first = group.x * MINE;
     let is_few = count <= FEW;
+    write_read_back(lane, group.x, groups.x, is_few);
     let place = first + lane / RANKERS;
     let part = lane % RANKERS;
-    let is_mine = place < min(count, FEW);
+    let is_mine = place < count;
     let own = hits[select(0u, place, is_mine)];
     if lane < MINE {
         atomicStore(&ranks[lane], 0u);
@@ -45,7 +50,10 @@ fn order(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
         atomicAdd(&ranks[lane / RANKERS], rank.x + rank.y + rank.z + rank.w);
         workgroupBarrier();
     }
-    if is_mine & (part == 0u) {
-        ordered[select(place, atomicLoad(&ranks[lane / RANKERS]), is_few)] = own;
+    if is_few & is_mine & (part == 0u) {
+        put_hit(atomicLoad(&ranks[lane / RANKERS]), own);
+    }
+    if !is_few {
+        put_unordered(lane, group.x, groups.x, count);
     }
 }

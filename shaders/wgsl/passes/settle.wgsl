@@ -1,11 +1,15 @@
-// Reads hits by bucket, writes them in order. One workgroup a bucket.
+// Reads results, writes them for the host; hits by bucket, which it puts in order. One workgroup a bucket.
 
 // How many hits come before those of this bucket, and the most of any bucket.
 var<workgroup> preceding: atomic<u32>;
 var<workgroup> most: atomic<u32>;
 
 @compute @workgroup_size(GROUP)
-fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) group: vec3u) {
+fn settle(
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+) {
     if lane == 0u {
         atomicStore(&preceding, 0u);
         atomicStore(&most, 0u);
@@ -27,10 +31,12 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         told = atomicLoad(&buckets.dealt[group.x]);
     }
     let size = workgroupUniformLoad(&told);
-    if !has_room || group.x >= BUCKETS {
-        if !has_room && lane == 0u {
-            atomicOr(&counters.unordered, 1u);
-        }
+    write_read_back(lane, group.x, groups.x, has_room);
+    if !has_room {
+        put_unordered(lane, group.x, groups.x, hit_count(lane));
+        return;
+    }
+    if group.x >= BUCKETS {
         return;
     }
     let bits = bits_for(size);
@@ -47,13 +53,13 @@ fn settle(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) gro
         // So few are ranked before a network has passed its barriers.
         if lane < size {
             let own = ranked[lane];
-            hits[start + rank_among(own, 0u, size)] = own;
+            put_hit(start + rank_among(own, 0u, size), own);
         }
         return;
     }
     sort_ranked(lane, bits);
     for (var i = lane; i < size; i += GROUP) {
-        hits[start + i] = ranked[i];
+        put_hit(start + i, ranked[i]);
     }
 }
 
