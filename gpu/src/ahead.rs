@@ -68,6 +68,7 @@ impl Ahead {
         let Self { subject, commands, source, mut run } = self;
         // A buffer that the host still maps is no place for results, and these commands keep no time.
         let is_in_use = engine.read_back.is_pending() || engine.clock.is_some();
+        let is_in_use = is_in_use || !engine.are_counters_clear;
         let suits = subject == Subject::new(engine, task, verb) && run.brings_at_least(copies);
         if is_in_use || !suits {
             return Ok(None);

@@ -20,7 +20,7 @@ pub(crate) enum Usage {
     ReadBack,
     /// Written by shaders, and mapped by the host to read where the adapter can.
     Results,
-    /// Mapped by the host to write, and copied into other buffers.
+    /// Mapped by the host to write, and copied into other buffers, or where the adapter can, read by shaders.
     Staging,
 }
 
@@ -109,13 +109,16 @@ impl Gpu {
         let own = match usage {
             Usage::Input => BufferUsages::STORAGE | BufferUsages::COPY_DST,
             Usage::List => BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-            Usage::Results if self.maps_results() => {
+            Usage::Results if self.is_mapped() => {
                 BufferUsages::STORAGE | BufferUsages::MAP_READ | BufferUsages::COPY_DST
             }
             Usage::Results => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             Usage::Uniform => BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             Usage::ReadBack => BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             Usage::Staging if WEB => BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+            Usage::Staging if self.is_mapped() => {
+                BufferUsages::MAP_WRITE | BufferUsages::COPY_SRC | BufferUsages::UNIFORM
+            }
             Usage::Staging => BufferUsages::MAP_WRITE | BufferUsages::COPY_SRC,
         };
         let limits = self.device().limits();

@@ -22,10 +22,18 @@ use crate::{GpuError, GpuModel, GpuSettings};
 use pfront_shaders::constants::{
     ANY_EACH, BEAM, BUCKETS, COUNT_EACH, FEW, FINER, FRONTS, GROUP, RANKERS,
 };
+use std::mem::offset_of;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use wgpu::{Buffer, CommandBuffer, CommandEncoder, WriteOnly};
+use wgpu::{
+    BindGroup, BindingResource, Buffer, BufferBinding, BufferSize, CommandBuffer, CommandEncoder,
+    WriteOnly,
+};
+
+/// Parameters and, from byte [`COUNTERS_AT`] on, counters that passes begin with: bindings begin at multiples of 256.
+const SET: usize = COUNTERS_AT + size_of::<Counters>().next_multiple_of(256);
+const COUNTERS_AT: usize = size_of::<Query>().next_multiple_of(256);
 
 /// Runs passes over the lists of one query.
 #[derive(Debug)]
@@ -42,6 +50,8 @@ pub(crate) struct Engine {
     /// Hits of each pair of instances.
     pub(crate) tallies: Option<Buffer>,
     pub(crate) ticket: u32,
+    /// Whether the last pass of a run has left the counters at 0.
+    pub(crate) are_counters_clear: bool,
     pub(crate) staging: Staging,
     pub(crate) read_back: ReadBack,
     /// If times are wanted.
@@ -78,6 +88,7 @@ impl Engine {
             meshes: None,
             tallies: None,
             ticket: 0,
+            are_counters_clear: true,
             staging: Staging::default(),
             read_back: ReadBack::new(gpu)?,
             clock: None,
@@ -193,8 +204,8 @@ impl Engine {
         (first..first + dives + passes, levels.div_ceil(passes))
     }
 
-    /// The bytes that [`Engine::record_commands`] copies: a front, and the counters and parameters of each time that
-    /// passes begin. They are of the next ticket.
+    /// The bytes that a run reads or copies: parameters and counters of each time that passes begin, [`SET`] bytes, and a front.
+    /// They are of the next ticket.
     pub(crate) fn parameters(&mut self, task: &Task, start: Start<'_>, verb: GpuVerb) -> Vec<u8> {
         let (passes, levels) = self.passes(task, start, verb);
         self.ticket = self.ticket.wrapping_add(1);
@@ -206,22 +217,25 @@ impl Engine {
         };
         let last_pass = passes.end - 1;
         let whole = Query { levels, last_pass, one_hit, each, beam: u32::MAX, ..task.query };
-        let mut bytes = bytemuck::cast_slice(start.front()).to_vec();
+        let mut bytes = Vec::new();
         if start.looks_ahead(verb) {
             // No pass of it goes to the bottom at once, which all together do.
             let beam = Query { beam: BEAM, last_pass: u32::MAX, ..whole };
-            self.add_parameters(&mut bytes, start, beam, 0);
+            self.add_set(&mut bytes, start, beam);
         }
-        self.add_parameters(&mut bytes, start, whole, start.kept(verb));
+        self.add_set(&mut bytes, start, whole);
+        bytes.extend_from_slice(bytemuck::cast_slice(start.front()));
         bytes
     }
 
-    /// Adds counters, but for those before byte `kept`, and parameters.
-    fn add_parameters(&self, bytes: &mut Vec<u8>, start: Start<'_>, query: Query, kept: usize) {
-        let counters = Counters { ticket: self.ticket, ..start.counters() };
-        let query = self.lists.capacities.in_query(query);
-        bytes.extend_from_slice(&bytemuck::bytes_of(&counters)[kept..]);
+    /// Adds parameters and counters.
+    fn add_set(&self, bytes: &mut Vec<u8>, start: Start<'_>, query: Query) {
+        let query = Query { ticket: self.ticket, ..self.lists.capacities.in_query(query) };
+        let end = bytes.len() + SET;
         bytes.extend_from_slice(bytemuck::bytes_of(&query));
+        bytes.resize(end - SET + COUNTERS_AT, 0);
+        bytes.extend_from_slice(bytemuck::bytes_of(&start.counters()));
+        bytes.resize(end, 0);
     }
 
     /// Records a run whose parameters will be in `source`.
@@ -244,15 +258,20 @@ impl Engine {
         if let Some(tallies) = self.tallies.as_ref().filter(|_| is_each && is_new) {
             encoder.clear_buffer(tallies, 0, None);
         }
-        let mut from = size_of_val(start.front()) as u64;
-        if start.looks_ahead(verb) {
-            from = self.prepare(encoder, source, from, start, 0);
-            self.dispatch(encoder, task, start, passes.clone(), None);
+        let last = usize::from(start.looks_ahead(verb));
+        self.write_front(encoder, source, (last + 1) * SET, start);
+        if last != 0 {
+            let query = self.prepare(encoder, source, 0, Some(Start::KEPT))?;
+            self.dispatch(encoder, &query, task, start, passes.clone(), None);
+            self.write_front(encoder, source, (last + 1) * SET, start);
         }
-        self.prepare(encoder, source, from, start, start.kept(verb));
+        // The last pass of the run before has left the counters as a run from the seeds begins with them.
+        let are_ready = matches!(start, Start::Seeds) && last == 0 && self.are_counters_clear;
+        let kept = (!are_ready).then(|| start.kept(verb));
+        let query = self.prepare(encoder, source, last * SET, kept)?;
         let order = Order::new(verb, copies[0]);
         self.read_back.make_room(&self.lists, copies)?;
-        self.dispatch(encoder, task, start, passes, Some((verb, order)));
+        self.dispatch(encoder, &query, task, start, passes, Some((verb, order)));
         if let Some(clock) = &self.clock {
             clock.finish(encoder);
         }
@@ -274,6 +293,7 @@ impl Engine {
     fn dispatch(
         &mut self,
         encoder: &mut CommandEncoder,
+        query: &BindGroup,
         task: &Task,
         start: Start<'_>,
         passes: Range<u32>,
@@ -290,8 +310,8 @@ impl Engine {
         let mut dispatches = Dispatches::begin(encoder, clock.as_mut().filter(|_| verb.is_some()));
         let Some(Meshes { groups: meshes, .. }) = &self.meshes else { return };
         let lists = &groups.lists;
-        let first = [&meshes.first, &lists.first, &groups.first_step];
-        let of_decide = [&meshes.decide, &lists.decide];
+        let first = [query, &meshes.first, &lists.first, &groups.first_step];
+        let of_decide = [query, &meshes.decide, &lists.decide];
         for index in passes {
             match start {
                 Start::Seeds if index == 0 => {
@@ -304,17 +324,18 @@ impl Engine {
                     dispatches.add(decide, &of_decide, *workgroups);
                 }
                 _ => {
-                    let groups = [&meshes.expand, &lists.expand, &groups.steps[index as usize]];
+                    let step = &groups.steps[index as usize];
+                    let groups = [query, &meshes.expand, &lists.expand, step];
                     dispatches.add(&descent.expand, &groups, *workgroups);
                 }
             }
         }
         match (&descent.direct, &meshes.direct, &lists.direct) {
             (Some(pass), Some(meshes), Some(lists)) if is_direct => {
-                dispatches.add(pass, &[meshes, lists], *workgroups);
+                dispatches.add(pass, &[query, meshes, lists], *workgroups);
             }
             _ => {
-                dispatches.add(narrow, &[&meshes.narrow, &lists.narrow], *workgroups);
+                dispatches.add(narrow, &[query, &meshes.narrow, &lists.narrow], *workgroups);
                 dispatches.add(decide, &of_decide, *workgroups);
             }
         }
@@ -322,46 +343,60 @@ impl Engine {
             None => {}
             Some(Order::None { hits }) => {
                 let workgroups = hits.div_ceil(GROUP).max(1);
-                let all = [&groups.bring, &read_back.buffers.group];
+                let all = [query, &groups.bring, &read_back.buffers.group];
                 dispatches.add(&shaders.bring, &all, workgroups);
             }
             Some(Order::Few) => {
-                let all = [&groups.order, &read_back.buffers.group];
+                let all = [query, &groups.order, &read_back.buffers.group];
                 dispatches.add(&shaders.order, &all, FEW * RANKERS / GROUP);
             }
             Some(Order::Many) => {
                 let [sample, deal, settle] = &groups.sort;
                 let ranked = FINER * BUCKETS;
-                dispatches.add(&shaders.sample, &[sample], ranked * RANKERS / GROUP);
-                dispatches.add(&shaders.deal, &[deal], *workgroups);
-                dispatches.add(&shaders.settle, &[settle, &read_back.buffers.group], BUCKETS);
+                dispatches.add(&shaders.sample, &[query, sample], ranked * RANKERS / GROUP);
+                dispatches.add(&shaders.deal, &[query, deal], *workgroups);
+                let all = [query, settle, &read_back.buffers.group];
+                dispatches.add(&shaders.settle, &all, BUCKETS);
             }
         }
     }
 
-    /// Records what passes begin with: the front at the begin of `source`, counters but for those before byte `kept`, and
-    /// parameters, both `from` there. Returns where they end.
+    /// Records that the front is copied from byte `at` of `source`.
+    fn write_front(&self, encoder: &mut CommandEncoder, source: &Buffer, at: usize, start: Start) {
+        let bytes = size_of_val(start.front()) as u64;
+        if bytes != 0 {
+            encoder.copy_buffer_to_buffer(source, at as u64, &self.lists.fronts[0], 0, bytes);
+        }
+    }
+
+    /// Records what passes begin with, but for a front: counters from byte `kept` on, unless they are there, and parameters, both
+    /// from byte `at` of `source` on. Returns the bind group of the parameters.
     ///
-    /// They are copied from a buffer of their own, so that it does not matter which encoders have been recorded or submitted
-    /// in between.
+    /// They come from a buffer of their own, so that it does not matter which encoders have been recorded or submitted in
+    /// between.
     fn prepare(
         &self,
         encoder: &mut CommandEncoder,
         source: &Buffer,
-        from: u64,
-        start: Start<'_>,
-        kept: usize,
-    ) -> u64 {
-        let Lists { counters, query, fronts, .. } = &self.lists;
-        let front = size_of_val(start.front()) as u64;
-        if front != 0 {
-            encoder.copy_buffer_to_buffer(source, 0, &fronts[0], 0, front);
+        at: usize,
+        kept: Option<usize>,
+    ) -> Result<BindGroup, GpuError> {
+        let Lists { counters, query, .. } = &self.lists;
+        if let Some(kept) = kept {
+            let (from, kept) = ((at + COUNTERS_AT + kept) as u64, kept as u64);
+            let size = offset_of!(Counters, readers) as u64 - kept;
+            encoder.copy_buffer_to_buffer(source, from, counters, kept, size);
         }
-        let (size, kept) = ((size_of::<Counters>() - kept) as u64, kept as u64);
-        encoder.copy_buffer_to_buffer(source, from, counters, kept, size);
-        let (from, size) = (from + size, size_of::<Query>() as u64);
-        encoder.copy_buffer_to_buffer(source, from, query, 0, size);
-        from + size
+        let size = size_of::<Query>() as u64;
+        if !self.gpu.is_mapped() {
+            encoder.copy_buffer_to_buffer(source, at as u64, query, 0, size);
+            return Ok(self.groups.query.clone());
+        }
+        // All passes have the same layout of it.
+        self.descent.expand.bind(self.gpu.device(), 0, |_| {
+            let (buffer, offset, size) = (source, at as u64, BufferSize::new(size));
+            Some(BindingResource::Buffer(BufferBinding { buffer, offset, size }))
+        })
     }
 
     /// Records that bytes, a multiple of 4, are copied to the begin of a buffer.
@@ -404,14 +439,17 @@ impl Engine {
         self.ticket = self.ticket.wrapping_add(1);
         let query = Query { levels: 1, last_pass: u32::MAX, beam: u32::MAX, ..task.query };
         let start = Start::Front(front);
-        let mut bytes: Vec<u8> = bytemuck::cast_slice(front).to_vec();
-        self.add_parameters(&mut bytes, start, query, 0);
+        let mut bytes = Vec::new();
+        self.add_set(&mut bytes, start, query);
+        bytes.extend_from_slice(bytemuck::cast_slice(front));
         let fill = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(&bytes);
         let source = self.staging.write(&self.gpu, bytes.len() as u64, fill)?;
-        self.prepare(&mut encoder, &source, size_of_val(front) as u64, start, 0);
+        self.are_counters_clear = false;
+        self.write_front(&mut encoder, &source, SET, start);
+        let query = self.prepare(&mut encoder, &source, 0, Some(Start::KEPT))?;
         let Self { gpu, descent, groups, lists, .. } = self;
         if let Some(Meshes { groups: meshes, .. }) = &self.meshes {
-            let all = [&meshes.expand, &groups.lists.expand, &groups.refine];
+            let all = [&query, &meshes.expand, &groups.lists.expand, &groups.refine];
             Dispatches::begin(&mut encoder, None).add(&descent.expand, &all, self.workgroups);
         }
         let (device, queue, cancel) = (gpu.device(), gpu.queue(), self.cancel.as_deref());

@@ -18,10 +18,11 @@ use wgpu::{Device, Features, Queue};
 pub(crate) const TIMESTAMPS: Features =
     Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
 
-/// A feature with which passes write results where the host maps them. Without it, as in a browser, these are copied.
+/// A feature with which passes read parameters and write results where the host maps them. Without it, as in a browser, these are
+/// copied.
 ///
-/// wgpu warns of it for discrete GPUs, which write such memory over PCIe: a copy of results does so as well.
-const MAPPED_RESULTS: Features = Features::MAPPABLE_PRIMARY_BUFFERS;
+/// wgpu warns of it for discrete GPUs, which reach such memory over PCIe: copies do so as well.
+const MAPPED: Features = Features::MAPPABLE_PRIMARY_BUFFERS;
 
 /// A device, its queue, and the passes compiled for it. Copying is free and shares them.
 ///
@@ -139,7 +140,7 @@ impl Gpu {
             label: Some("pfront"),
             // All the memory that there is; everything else stays within the defaults.
             required_limits: adapter.limits(),
-            required_features: adapter.features() & (TIMESTAMPS | MAPPED_RESULTS),
+            required_features: adapter.features() & (TIMESTAMPS | MAPPED),
             ..Default::default()
         };
         let refused = |error: wgpu::RequestDeviceError| GpuError::NoDevice {
@@ -253,9 +254,9 @@ impl Gpu {
         &self.shared.queue
     }
 
-    /// Whether passes write results where the host maps them.
-    pub(crate) fn maps_results(&self) -> bool {
-        self.device().features().contains(MAPPED_RESULTS)
+    /// Whether passes read parameters and write results where the host maps them.
+    pub(crate) fn is_mapped(&self) -> bool {
+        self.device().features().contains(MAPPED)
     }
 
     /// How posed positions are computed on this adapter.

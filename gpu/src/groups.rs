@@ -42,6 +42,8 @@ impl EachPass {
 /// Bind groups that last as long as the lists.
 #[derive(Debug)]
 pub(crate) struct Groups {
+    /// The bind group of parameters that are copied.
+    pub(crate) query: BindGroup,
     pub(crate) lists: EachPass,
     pub(crate) first_step: BindGroup,
     /// By the index of the front that is read.
@@ -58,16 +60,17 @@ impl Groups {
         let passes = gpu.passes();
         let step = |index| lists.bind_step(gpu, &descent.expand, index);
         Ok(Self {
-            lists: EachPass::new(descent, |pass| lists.bind(gpu, pass, 1))?,
+            query: descent.expand.bind_buffers(gpu.device(), 0, &[("query", &lists.query)])?,
+            lists: EachPass::new(descent, |pass| lists.bind(gpu, pass, 2))?,
             first_step: lists.bind_step(gpu, &descent.first, 0)?,
             steps: (0..FRONTS - 1).map(step).collect::<Result<_, _>>()?,
             refine: step(REFINE)?,
-            bring: lists.bind(gpu, &passes.bring, 0)?,
-            order: lists.bind(gpu, &passes.order, 0)?,
+            bring: lists.bind(gpu, &passes.bring, 1)?,
+            order: lists.bind(gpu, &passes.order, 1)?,
             sort: [
-                lists.bind(gpu, &passes.sample, 0)?,
-                lists.bind(gpu, &passes.deal, 0)?,
-                lists.bind(gpu, &passes.settle, 0)?,
+                lists.bind(gpu, &passes.sample, 1)?,
+                lists.bind(gpu, &passes.deal, 1)?,
+                lists.bind(gpu, &passes.settle, 1)?,
             ],
         })
     }
@@ -87,7 +90,7 @@ impl Meshes {
         ids: [u64; 2],
         buffers: Named<'_>,
     ) -> Result<Self, GpuError> {
-        let bind = |pass: &Pass| pass.bind_buffers(gpu.device(), 0, buffers);
+        let bind = |pass: &Pass| pass.bind_buffers(gpu.device(), 1, buffers);
         Ok(Self { ids, groups: EachPass::new(descent, bind)? })
     }
 }

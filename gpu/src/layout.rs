@@ -67,6 +67,10 @@ shared! {
         padding: u32,
         error: [f32; 3],
         distance: f32,
+        ticket: u32,
+        padding_1: u32,
+        padding_2: u32,
+        padding_3: u32,
     }
 
     /// A pair of instances: how the second stands in the frame in which boxes are compared, and both in the world.
@@ -127,6 +131,9 @@ shared! {
 
     /// Counters of a run.
     Counters {
+        last_hits: u32,
+        last_overflow: u32,
+        last_rest: u32,
         ticket: u32,
         leaves: u32,
         hits: u32,
@@ -137,6 +144,7 @@ shared! {
         unordered: u32,
         node_pairs: u32,
         fronts: [u32; FRONTS as usize],
+        readers: u32,
     }
 
     /// A triangle pair for the CPU.

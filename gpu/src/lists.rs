@@ -58,7 +58,6 @@ impl Lists {
     /// The bind group of a pass for everything but meshes and steps.
     pub(crate) fn bind(&self, gpu: &Gpu, pass: &Pass, group: usize) -> Result<BindGroup, GpuError> {
         let buffers = [
-            ("query", &self.query),
             ("counters", &self.counters),
             ("leaves", &self.leaves),
             ("sorted", &self.leaves),
@@ -83,7 +82,7 @@ impl Lists {
         index: u32,
     ) -> Result<BindGroup, GpuError> {
         let from = if index == REFINE { 0 } else { index as usize % 2 };
-        pass.bind(gpu.device(), 2, |name| match name {
+        pass.bind(gpu.device(), 3, |name| match name {
             "step" => Some(self.steps.binding(index as usize)),
             "front_in" => Some(self.fronts[from].as_entire_binding()),
             "front_out" => Some(self.fronts[1 - from].as_entire_binding()),

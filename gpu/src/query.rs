@@ -215,11 +215,11 @@ pub struct GpuQuery {
 
 impl GpuQuery {
     /// The byte of [`GpuQuery::count_buffer`] at which the number of hits is, a u32.
-    pub const COUNT_OFFSET: u64 = offset_of!(Counters, hits) as u64;
+    pub const COUNT_OFFSET: u64 = offset_of!(Counters, last_hits) as u64;
     /// The byte at which a u32 is that is not 0 if a list was full: the answer is then in parts, and the host reads them.
-    pub const OVERFLOW_OFFSET: u64 = offset_of!(Counters, overflow) as u64;
+    pub const OVERFLOW_OFFSET: u64 = offset_of!(Counters, last_overflow) as u64;
     /// The byte at which the number of triangle pairs is that are left to the CPU, a u32. They are not among the hits.
-    pub const REST_OFFSET: u64 = offset_of!(Counters, rest) as u64;
+    pub const REST_OFFSET: u64 = offset_of!(Counters, last_rest) as u64;
 
     /// A query with the settings that suit the device.
     ///

@@ -93,13 +93,13 @@ impl ReadBackBuffers {
         let bytes = hits_at + u64::from(room[0].max(1)) * size_of::<TrianglePair>() as u64;
         let results = gpu.buffer("the results", bytes, Usage::Results)?;
         let copy = || gpu.buffer("the read-back", bytes, Usage::ReadBack);
-        let copy = (!gpu.maps_results()).then(copy).transpose()?;
+        let copy = (!gpu.is_mapped()).then(copy).transpose()?;
         let part = |offset, size| {
             let (buffer, size) = (&results, BufferSize::new(size));
             Some(BindingResource::Buffer(BufferBinding { buffer, offset, size }))
         };
         // `bring` and `settle` have the same layout.
-        let group = gpu.passes().order.bind(gpu.device(), 1, |name| match name {
+        let group = gpu.passes().order.bind(gpu.device(), 2, |name| match name {
             "read_back" => part(0, hits_at),
             "read_back_hits" => part(hits_at, bytes - hits_at),
             _ => None,

@@ -236,6 +236,7 @@ impl Runner {
             let before = self.pairs.len();
             let Engine { read_back, cancel, .. } = &mut self.engine;
             let found = read_back.read(&run, &mut self.pairs, cancel.as_deref()).await?;
+            self.engine.are_counters_clear = true;
             self.report.add(&found.counters, task.query.leaf_size);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
             let refused = match verb {

@@ -80,9 +80,12 @@ impl<'a> Start<'a> {
         verb == GpuVerb::Any && leads_on
     }
 
-    /// The byte of the counters up to which the run along the beam leaves its own to the whole one.
+    /// The byte of the counters up to which they are those of the last run.
+    pub(crate) const KEPT: usize = offset_of!(Counters, leaves);
+
+    /// The byte of the counters up to which they are those of the run before; of the run along the beam, if that goes first.
     pub(crate) fn kept(self, verb: GpuVerb) -> usize {
-        if self.looks_ahead(verb) { offset_of!(Counters, overflow) } else { 0 }
+        if self.looks_ahead(verb) { offset_of!(Counters, overflow) } else { Self::KEPT }
     }
 }
 

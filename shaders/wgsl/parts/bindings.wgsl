@@ -6,16 +6,17 @@
 alias NodeWords = array<vec4u, 2>;
 alias CornerWords = vec4u;
 
-@group(1) @binding(0) var<uniform> query: Query;
-@group(1) @binding(1) var<storage, read_write> counters: Counters;
-@group(1) @binding(2) var<storage, read_write> leaves: array<vec2u>;
-@group(1) @binding(3) var<storage, read_write> hits: array<vec2u>;
-@group(1) @binding(4) var<storage, read_write> kept: array<vec2u>;
-@group(1) @binding(5) var<storage, read_write> rest: array<Rest>;
+@group(0) @binding(0) var<uniform> query: Query;
 
-@group(2) @binding(0) var<uniform> step: Step;
-@group(2) @binding(1) var<storage, read> front_in: array<vec2u>;
-@group(2) @binding(2) var<storage, read_write> front_out: array<vec2u>;
+@group(2) @binding(0) var<storage, read_write> counters: Counters;
+@group(2) @binding(1) var<storage, read_write> leaves: array<vec2u>;
+@group(2) @binding(2) var<storage, read_write> hits: array<vec2u>;
+@group(2) @binding(3) var<storage, read_write> kept: array<vec2u>;
+@group(2) @binding(4) var<storage, read_write> rest: array<Rest>;
+
+@group(3) @binding(0) var<uniform> step: Step;
+@group(3) @binding(1) var<storage, read> front_in: array<vec2u>;
+@group(3) @binding(2) var<storage, read_write> front_out: array<vec2u>;
 
 // A test compares which words become which fields with the layout of Node.
 fn node_of(words: NodeWords) -> Node {

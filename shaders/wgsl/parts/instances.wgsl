@@ -23,10 +23,10 @@ struct InstancePair {
     poses: array<array<vec4f, 3>, 2>,
 }
 
-@group(0) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
-@group(0) @binding(1) var<storage, read> corners_a: array<CornerWords>;
-@group(0) @binding(2) var<storage, read> order_a: array<u32>;
-@group(0) @binding(3) var<storage, read> pairs: array<InstancePair>;
+@group(1) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
+@group(1) @binding(1) var<storage, read> corners_a: array<CornerWords>;
+@group(1) @binding(2) var<storage, read> order_a: array<u32>;
+@group(1) @binding(3) var<storage, read> pairs: array<InstancePair>;
 
 // The row of the present pair.
 var<private> row: u32;

@@ -56,6 +56,8 @@ struct Query {
     error: vec3f,
     // Triangles that are at most so far apart are asked for, if this is not 0, in place of those that meet.
     distance: f32,
+    // Number of the host's question, to recognise the answer.
+    ticket: u32,
 }
 
 // Where vertices are in a buffer of the caller's, by words, and the box that holds them, in whole numbers that are in the order of f32.
@@ -77,7 +79,11 @@ struct Step {
 
 // Demands, not contents: they count on beyond what a list can hold.
 struct Counters {
-    // Number of the host's question, to recognise the answer.
+    // Those of the last run, for consumers on the device.
+    last_hits: u32,
+    last_overflow: u32,
+    last_rest: u32,
+    // Of the host's question, where the host reads them.
     ticket: u32,
     // A run that looks for one hit leaves these two to the next.
     leaves: atomic<u32>,
@@ -92,6 +98,8 @@ struct Counters {
     // Node pairs whose children were tested.
     node_pairs: atomic<u32>,
     fronts: array<atomic<u32>, FRONTS>,
+    // Workgroups of the last pass that have read all these. The last has them at 0 again, for the next run.
+    readers: atomic<u32>,
 }
 
 // A triangle pair for the CPU: everything its predicates need.

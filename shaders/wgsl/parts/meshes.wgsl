@@ -1,14 +1,14 @@
 // The sides of a query about two meshes, or about one with itself. `instances` has the same functions for
 // many pairs of posed bodies.
 
-@group(0) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
-@group(0) @binding(1) var<storage, read> nodes_b: array<NodeWords>;
-@group(0) @binding(2) var<storage, read> corners_a: array<CornerWords>;
-@group(0) @binding(3) var<storage, read> corners_b: array<CornerWords>;
-@group(0) @binding(4) var<storage, read> order_a: array<u32>;
-@group(0) @binding(5) var<storage, read> order_b: array<u32>;
-@group(0) @binding(6) var<storage, read> seeds_a: array<u32>;
-@group(0) @binding(7) var<storage, read> seeds_b: array<u32>;
+@group(1) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
+@group(1) @binding(1) var<storage, read> nodes_b: array<NodeWords>;
+@group(1) @binding(2) var<storage, read> corners_a: array<CornerWords>;
+@group(1) @binding(3) var<storage, read> corners_b: array<CornerWords>;
+@group(1) @binding(4) var<storage, read> order_a: array<u32>;
+@group(1) @binding(5) var<storage, read> order_b: array<u32>;
+@group(1) @binding(6) var<storage, read> seeds_a: array<u32>;
+@group(1) @binding(7) var<storage, read> seeds_b: array<u32>;
 
 // Turns to the pair of bodies to which a node, slot or triangle of the first side belongs: there is one.
 fn turn_to_pair_of(id: u32) {}

@@ -12,15 +12,15 @@ struct Buckets {
 }
 
 @group(0) @binding(0) var<uniform> query: Query;
-@group(0) @binding(1) var<storage, read_write> counters: Counters;
-@group(0) @binding(2) var<storage, read_write> hits: array<vec2u>;
+@group(1) @binding(0) var<storage, read_write> counters: Counters;
+@group(1) @binding(1) var<storage, read_write> hits: array<vec2u>;
 // Free when hits are sorted: `room` hits for each bucket.
-@group(0) @binding(3) var<storage, read_write> kept: array<vec2u>;
-@group(0) @binding(4) var<storage, read_write> buckets: Buckets;
+@group(1) @binding(2) var<storage, read_write> kept: array<vec2u>;
+@group(1) @binding(3) var<storage, read_write> buckets: Buckets;
 // In order: where the leaf pairs were, which nothing reads any more.
-@group(0) @binding(5) var<storage, read_write> sorted: array<vec2u>;
+@group(1) @binding(4) var<storage, read_write> sorted: array<vec2u>;
 // Triangle pairs for the CPU, by vectors of words.
-@group(0) @binding(6) var<storage, read_write> rest: array<vec4u>;
+@group(1) @binding(5) var<storage, read_write> rest: array<vec4u>;
 
 // How many hits there are, from the first invocation of a workgroup: thousands that load one word wait for each other.
 fn hit_count(lane: u32) -> u32 {

@@ -10,34 +10,63 @@ struct ReadBack {
     rest: array<vec4u>,
 }
 
-@group(1) @binding(0) var<storage, read_write> read_back: ReadBack;
-@group(1) @binding(1) var<storage, read_write> read_back_hits: array<vec2u>;
+@group(2) @binding(0) var<storage, read_write> read_back: ReadBack;
+@group(2) @binding(1) var<storage, read_write> read_back_hits: array<vec2u>;
 
-// Writes everything but hits. All workgroups call it, in uniform control flow.
+// Writes everything but hits, and has the counters at 0 for the next run. All workgroups call it, in uniform control flow, once
+// they have read the counters.
 fn write_read_back(lane: u32, group: u32, groups: u32, in_order: bool) {
     if group == 0u {
         if lane < FRONTS {
             atomicStore(&read_back.counters.fronts[lane], atomicLoad(&counters.fronts[lane]));
         }
         if lane == 0u {
-            read_back.counters.ticket = counters.ticket;
-            atomicStore(&read_back.counters.leaves, atomicLoad(&counters.leaves));
-            atomicStore(&read_back.counters.hits, atomicLoad(&counters.hits));
-            atomicStore(&read_back.counters.overflow, atomicLoad(&counters.overflow));
-            atomicStore(&read_back.counters.kept, atomicLoad(&counters.kept));
-            atomicStore(&read_back.counters.open, atomicLoad(&counters.open));
-            atomicStore(&read_back.counters.rest, atomicLoad(&counters.rest));
-            atomicStore(&read_back.counters.unordered, select(1u, 0u, in_order));
-            atomicStore(&read_back.counters.node_pairs, atomicLoad(&counters.node_pairs));
+            write_counters(in_order);
         }
     }
     if lane == 0u {
         told = min(atomicLoad(&counters.rest), query.rest_capacity);
     }
     let words = min(workgroupUniformLoad(&told) * REST_WORDS, arrayLength(&read_back.rest));
+    if lane == 0u && atomicAdd(&counters.readers, 1u) == groups - 1u {
+        clear_counters();
+    }
     for (var i = group * GROUP + lane; i < words; i += groups * GROUP) {
         read_back.rest[i] = rest[i];
     }
+}
+
+fn write_counters(in_order: bool) {
+    let hits = atomicLoad(&counters.hits);
+    let overflow = atomicLoad(&counters.overflow);
+    let rest = atomicLoad(&counters.rest);
+    read_back.counters.ticket = query.ticket;
+    atomicStore(&read_back.counters.leaves, atomicLoad(&counters.leaves));
+    atomicStore(&read_back.counters.hits, hits);
+    atomicStore(&read_back.counters.overflow, overflow);
+    atomicStore(&read_back.counters.kept, atomicLoad(&counters.kept));
+    atomicStore(&read_back.counters.open, atomicLoad(&counters.open));
+    atomicStore(&read_back.counters.rest, rest);
+    atomicStore(&read_back.counters.unordered, select(1u, 0u, in_order));
+    atomicStore(&read_back.counters.node_pairs, atomicLoad(&counters.node_pairs));
+    counters.last_hits = hits;
+    counters.last_overflow = overflow;
+    counters.last_rest = rest;
+}
+
+// By one invocation, once all workgroups have read them.
+fn clear_counters() {
+    atomicStore(&counters.leaves, 0u);
+    atomicStore(&counters.hits, 0u);
+    atomicStore(&counters.overflow, 0u);
+    atomicStore(&counters.kept, 0u);
+    atomicStore(&counters.open, 0u);
+    atomicStore(&counters.rest, 0u);
+    atomicStore(&counters.node_pairs, 0u);
+    for (var i = 0u; i < FRONTS; i++) {
+        atomicStore(&counters.fronts[i], 0u);
+    }
+    atomicStore(&counters.readers, 0u);
 }
 
 // Puts a hit in its place, on the device and for the host.

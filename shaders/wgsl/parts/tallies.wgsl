@@ -1,6 +1,6 @@
 // Hits of each pair of instances, if something is asked of each.
 
-@group(0) @binding(4) var<storage, read_write> tallies: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> tallies: array<atomic<u32>>;
 
 // Whether the present pair needs no more hits.
 fn is_settled() -> bool {

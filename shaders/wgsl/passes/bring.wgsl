@@ -6,9 +6,10 @@ fn bring(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
 ) {
+    let count = min(hit_count(lane), arrayLength(&read_back_hits));
     write_read_back(lane, group.x, groups.x, false);
     let place = group.x * GROUP + lane;
-    if place < min(hit_count(lane), arrayLength(&read_back_hits)) {
+    if place < count {
         read_back_hits[place] = hits[place];
     }
 }

@@ -31,9 +31,10 @@ fn settle(
         told = atomicLoad(&buckets.dealt[group.x]);
     }
     let size = workgroupUniformLoad(&told);
+    let count = hit_count(lane);
     write_read_back(lane, group.x, groups.x, has_room);
     if !has_room {
-        put_unordered(lane, group.x, groups.x, hit_count(lane));
+        put_unordered(lane, group.x, groups.x, count);
         return;
     }
     if group.x >= BUCKETS {
