@@ -46,7 +46,7 @@ impl Pool {
             query,
             cancel,
             begun: Instant::now(),
-            alone: self.call.unwrap_or_default(),
+            alone: self.worth().unwrap_or_default(),
             threads: self.threads(),
             at_work: AtomicUsize::new(1),
             caller: std::thread::current().id(),

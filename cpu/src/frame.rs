@@ -73,12 +73,16 @@ impl Traversal {
             with_default(|| self.begin(queries, only_one_hit, &control, &mut outputs[0]))?;
         let is_divided = !self.starts.is_empty() && !control.is_over();
         let clock = is_divided.then(Instant::now);
+        self.called = 0;
         if is_divided {
-            let threads = self.pool.threads();
-            resize(&mut self.report.shares, self.pool.p())?;
+            let threads = with_default(|| self.threads(from_roots));
+            let parts = if threads == self.pool.threads() { self.pool.p() } else { threads };
+            resize(&mut self.report.shares, parts)?;
             let more = threads.saturating_sub(outputs.len());
             reserve(outputs, more)?;
-            outputs.resize_with(threads, new_output);
+            outputs.extend(std::iter::repeat_with(new_output).take(more));
+            self.called = threads;
+            let outputs = &mut outputs[..threads];
             self.divide(queries, from_roots, only_one_hit, &control, outputs)?;
         }
         self.report.late = control.was_late();
@@ -100,7 +104,7 @@ impl Traversal {
         let from_roots = self.pool.p() > 1 && !only_one_hit && self.expects_much(queries);
         // Nearly as long as predicted is no reason to call others shortly before the end.
         let predicted = if only_one_hit { 0.0 } else { self.predicted() };
-        let alone = self.pool.call.map(|call| self.worth(call).max(2.0 * predicted));
+        let alone = self.pool.worth().map(|worth| worth.max(2.0 * predicted));
         self.traverse_alone(queries, from_roots, alone, control, output)?;
         Ok(from_roots)
     }
@@ -110,8 +114,13 @@ impl Traversal {
     fn learn(&mut self, divided: Option<Duration>, from_roots: bool, is_whole: bool) {
         if let Some(time) = divided {
             let work = self.report.work().cost() - self.report.alone.cost();
-            let ideal = work * self.pace.unwrap_or_default() / self.pool.p() as f64;
+            let ideal = work * self.pace.unwrap_or_default() / self.called as f64;
             self.overhead = (time.as_secs_f64() - ideal).max(0.0);
+            let idle = time.saturating_sub(self.report.busy_time).as_secs_f64();
+            let calls = self.pool.calls.as_deref().unwrap_or_default();
+            if let Some(call) = calls.iter().find(|call| call.threads == self.called) {
+                self.calls = (idle / call.seconds).max(1.0);
+            }
         } else {
             self.overhead *= FADING;
         }
@@ -129,9 +138,11 @@ impl Traversal {
     /// Whether a frame is worth several threads from the start: by the last one. If nobody has measured what a call takes, a
     /// first frame goes by an estimate; else nothing is expected of it, since estimates are often too high.
     fn expects_much<Q: Queries + ?Sized>(&self, queries: &Q) -> bool {
-        if let Some(call) = self.pool.call {
-            return self.last_cost.is_some()
-                && self.predicted() >= self.worth(call.max(self.overhead));
+        if self.pool.calls.is_some() {
+            let predicted = self.predicted();
+            let fastest = self.pool.fastest(predicted, self.calls);
+            let is_worth = fastest.is_some_and(|call| predicted >= call.worth(self.overhead));
+            return self.last_cost.is_some() && is_worth;
         }
         let estimated = || {
             let roots = (0..queries.len() as u32).filter_map(|n| Some((n, queries.root(n)?)));
@@ -145,9 +156,11 @@ impl Traversal {
         self.last_cost.unwrap_or_default() * self.pace.unwrap_or_default()
     }
 
-    /// The seconds from which on p workers are faster than one, if it takes `overhead` to call them: W p / (p - 1).
-    fn worth(&self, overhead: f64) -> f64 {
-        overhead * self.pool.p() as f64 / (self.pool.p() as f64 - 1.0)
+    /// The threads for a frame that is like the last one, or of which as much is left as was done.
+    fn threads(&self, from_roots: bool) -> usize {
+        let left = if from_roots { self.predicted() } else { self.report.alone_time.as_secs_f64() };
+        let fastest = self.pool.fastest(left, self.calls);
+        fastest.map_or_else(|| self.pool.threads(), |call| call.threads)
     }
 
     /// Traverses the queries in turn on the calling thread, for so many seconds `alone` if they are known, unless the frame

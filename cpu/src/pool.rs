@@ -28,15 +28,37 @@ const AWAKE: Duration = Duration::from_millis(1);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Pool {
-    /// p, the number of parts that a front is divided into. A number below 1 or above [`MAX_WORKERS`] counts as that, since
+    /// p, the number of parts that a front is divided into, unless fewer threads are called than there are. A number below 1 or above [`MAX_WORKERS`] counts as that, since
     /// for every p the answer is the same and memory grows with p.
     pub workers: usize,
     /// How a frame is divided.
     pub settings: Settings,
     /// The rayon pool of the calling thread if there is none.
     threads: Option<Arc<ThreadPool>>,
-    /// The seconds that it takes to call other threads, if that was measured.
-    pub(crate) call: Option<f64>,
+    /// The prices of calls of other threads, if these were measured.
+    pub(crate) calls: Option<Arc<[Call]>>,
+}
+
+/// The price of a call of threads of a rayon pool.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Call {
+    /// How many there are with the calling thread.
+    pub(crate) threads: usize,
+    /// The time until all have come and gone.
+    pub(crate) seconds: f64,
+}
+
+impl Call {
+    /// The seconds from which on its threads are faster than one, if the call takes no less than `least`: W q / (q - 1) for q threads, if it takes W.
+    pub(crate) fn worth(&self, least: f64) -> f64 {
+        let threads = self.threads as f64;
+        self.seconds.max(least) * threads / (threads - 1.0)
+    }
+
+    /// The seconds that they take for what takes the calling thread so many, if each of several `calls` takes as long.
+    fn time_of(&self, alone: f64, calls: f64) -> f64 {
+        alone / self.threads as f64 + calls * self.seconds
+    }
 }
 
 /// A worker for each thread in the rayon pool of the calling thread.
@@ -58,7 +80,7 @@ impl Pool {
     /// p = `workers`, in the rayon pool of whichever thread calls.
     #[must_use]
     pub fn new(workers: usize) -> Self {
-        Self { workers, settings: Settings::default(), threads: None, call: None }
+        Self { workers, settings: Settings::default(), threads: None, calls: None }
     }
 
     /// The same with other settings.
@@ -67,13 +89,18 @@ impl Pool {
         Self { settings, ..self }
     }
 
-    /// The same, with what it takes to call other threads measured now, in some 10 ms, instead of assumed.
+    /// The same, with what it takes to call other threads measured now instead of assumed: all of them, half of them, and so on, some 7 ms
+    /// each.
     ///
-    /// A frame then begins on the calling thread for a time of W p / (p - 1), with W the time of a call and p workers, or for
-    /// twice what the last frame took, if that is longer: so it takes at most 1 + (p - 1) / p times what one thread takes,
-    /// whatever it finds, as long as a call takes W. Others are called from the start if the last frame was worth it with what
-    /// calling them really took, front included. Without a measurement, 2,048 tests stand for both times, an estimate for the
-    /// last frame before there is one, and the counts of a [`Report`](crate::Report) are the same on every machine.
+    /// A frame then begins on the calling thread for the least time of W q / (q - 1), with W the time of a call of q threads, or for
+    /// twice what the last frame took, if that is longer. Then as many are called as would be the fastest if as much is left as was
+    /// done: so it takes at most 2 - 1 / q times what one thread takes with q threads, whatever it finds, as long as calls take
+    /// these times. Others are called from the start if the last frame was worth it with what calling them really took, front included: as many as
+    /// would have been the fastest, with as many calls as threads were idle for the time of. Where not all are called, the front has a part for each that is. Without a
+    /// measurement, 2,048 tests stand for both times, an estimate for the last frame before there is one, and the counts of a
+    /// [`Report`](crate::Report) are the same on every machine.
+    ///
+    /// To call 64 threads can take six times as long as to call eight, and longer than the rest of the frame (benches/record/many-cores.md).
     ///
     /// # Examples
     /// ```
@@ -81,18 +108,38 @@ impl Pool {
     /// ```
     #[must_use]
     pub fn measured(self) -> Self {
-        let mut times = [Duration::ZERO; 9];
+        let halves = std::iter::successors(Some(self.threads()), |threads| Some(threads / 2));
+        let calls = halves.take_while(|&threads| threads > 1).map(|threads| self.call(threads));
+        Self { calls: Some(calls.collect()), ..self }
+    }
+
+    /// The price of so many threads, measured.
+    fn call(&self, threads: usize) -> Call {
+        let mut times = [Duration::ZERO; 6];
         for time in &mut times {
             // Threads that have just worked are still awake.
             std::thread::sleep(Duration::from_millis(1));
             let clock = Instant::now();
-            self.in_scope(|scope| (1..self.threads()).for_each(|_| scope.spawn(|_| ())));
+            self.in_scope(|scope| (1..threads).for_each(|_| scope.spawn(|_| ())));
             *time = clock.elapsed();
         }
         times.sort_unstable();
         // A bound rather than a mean, but for the one time that something else may have come between.
-        let call = with_default(|| times[times.len() - 2].as_secs_f64());
-        Self { call: Some(call), ..self }
+        let seconds = with_default(|| times[times.len() - 2].as_secs_f64());
+        Call { threads, seconds }
+    }
+
+    /// The seconds from which on some number of threads is faster than one; if nothing was measured, there are none.
+    pub(crate) fn worth(&self) -> Option<f64> {
+        let worths = self.calls.as_deref()?.iter().map(|call| call.worth(0.0));
+        // Where there is nobody to call, never.
+        Some(worths.fold(f64::INFINITY, f64::min))
+    }
+
+    /// The call of as many threads as are the fastest for what takes the calling thread so many seconds.
+    pub(crate) fn fastest(&self, alone: f64, calls: f64) -> Option<Call> {
+        let all = self.calls.as_deref()?.iter().copied();
+        all.min_by(|x, y| x.time_of(alone, calls).total_cmp(&y.time_of(alone, calls)))
     }
 
     /// Runs a function in the rayon pool.
@@ -245,4 +292,33 @@ pub(crate) fn spawn<'s>(scope: &Scope<'s>, job: impl FnOnce(&Scope<'s>, Environm
         let environment = Environment::current();
         with_default(|| job(scope, environment));
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pool(calls: &[(usize, f64)]) -> Pool {
+        let calls = calls.iter().map(|&(threads, seconds)| Call { threads, seconds });
+        Pool { calls: Some(calls.collect()), ..Pool::new(64) }
+    }
+
+    /// Calls as they were measured on 64 processors.
+    #[test]
+    fn as_many_are_called_as_are_the_fastest() {
+        let pool = pool(&[(64, 470e-6), (32, 258e-6), (16, 110e-6), (8, 78e-6), (4, 55e-6)]);
+        let threads = |ms: f64, calls| pool.fastest(1e-3 * ms, calls).map(|call| call.threads);
+        let alone = [0.1, 0.6, 2.0, 8.0, 50.0].map(|ms| threads(ms, 1.0));
+        assert_eq!(alone, [4, 16, 16, 32, 64].map(Some));
+        assert_eq!(threads(8.0, 4.0), Some(16));
+        assert!((pool.worth().unwrap() - 55e-6 * 4.0 / 3.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn nobody_is_called_where_there_is_nobody() {
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let pool = Pool { workers: 4, ..Pool::from(Arc::new(alone)) }.measured();
+        assert_eq!((pool.worth(), pool.fastest(1.0, 1.0).is_none()), (Some(f64::INFINITY), true));
+        assert!(Pool::new(4).worth().is_none() && Pool::new(4).fastest(1.0, 1.0).is_none());
+    }
 }

@@ -38,8 +38,12 @@ pub struct Traversal {
     pub(crate) last_cost: Option<f64>,
     /// The seconds that the last frame for which others were called took beyond its share of the work.
     pub(crate) overhead: f64,
+    /// How many calls its threads were idle for the time of.
+    pub(crate) calls: f64,
     /// The seconds that a box test took the calling thread when it last was alone for as long as pays.
     pub(crate) pace: Option<f64>,
+    /// The threads of the last frame, but the calling one if that was alone.
+    pub(crate) called: usize,
     pub(crate) starts: Vec<Start>,
     pub(crate) buffers: Workers,
     storage: Storage,
@@ -57,7 +61,9 @@ impl Traversal {
             front: FrontMemory::default(),
             last_cost: None,
             overhead: 0.0,
+            calls: 1.0,
             pace: None,
+            called: 0,
             starts: Vec::new(),
             buffers: Workers::default(),
             storage: Storage::default(),
@@ -99,7 +105,9 @@ impl Traversal {
         lists.iter_mut().for_each(OutputBuffer::clear);
         let listed = self.run(queries, false, &mut lists, OutputBuffer::default).and_then(|_| {
             let clock = (!self.report.shares.is_empty()).then(Instant::now);
-            merge(&mut lists, self.pool.threads(), &self.pool, out)?;
+            // Others are empty.
+            let threads = self.called.clamp(1, lists.len());
+            merge(&mut lists[..threads], threads, &self.pool, out)?;
             self.report.gather_time = clock.map_or(Duration::ZERO, |clock| clock.elapsed());
             Ok(())
         });

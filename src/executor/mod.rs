@@ -26,7 +26,8 @@
 //!
 //! # When threads pay
 //! A frame whose cost is unknown, and any search for one hit, begins on the calling thread. After as much work as calling
-//! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice. A search for one hit goes on in its order on the calling thread, and
+//! others costs, which is measured when the executor is made, its pending node pairs go to them; nothing is done twice. As many are called as would be
+//! the fastest for as much again, or for a frame like the last: to call all of 64 can take longer than what they would save. A search for one hit goes on in its order on the calling thread, and
 //! others take what would come last, so that it takes no longer than alone.
 //! `threads::Pool::measured` states the bound.
 //!

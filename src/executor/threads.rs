@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 impl Executor {
-    /// Several threads: each frame that is worth it is divided into `workers` parts, which run in the rayon pool of whoever
+    /// Several threads: each frame that is worth it is divided into `workers` parts, or into fewer where to call so many takes longer, which run in the rayon pool of whoever
     /// asks. A number beyond [`MAX_WORKERS`](crate::threads::MAX_WORKERS) is lowered to that. A rayon pool and settings
     /// of your own: `Executor::from(pool)`.
     ///
@@ -36,7 +36,7 @@ impl Executor {
 }
 
 impl From<Pool> for Executor {
-    /// Several threads. The time that it takes to call others is measured, except under [`Schedule::Static`], whose counts are
+    /// Several threads. The time that it takes to call all others, half of them, and so on is measured, some 7 ms each, except under [`Schedule::Static`], whose counts are
     /// to be the same on every machine.
     fn from(pool: Pool) -> Self {
         let is_static = pool.settings.schedule == Schedule::Static;

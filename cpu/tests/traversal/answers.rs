@@ -6,7 +6,7 @@ use pfront_cpu::{Hit, MAX_WORKERS, Pool, Settings, Traversal};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere};
 use std::ops::ControlFlow;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 const WORKERS: [usize; 7] = [1, 2, 3, 7, 16, 64, 1024];
 
@@ -171,13 +171,15 @@ fn no_partition_is_less_even_than_its_certificate() {
     }
 }
 
-/// How long the calling thread stays alone depends on the machine then; the answer does not.
+/// How long the calling thread stays alone, and how many others it calls, depends on the machine then; the answer does not.
 #[test]
 fn the_measured_price_of_a_call_changes_no_answer() {
     let frames = Frames::named("spheres", 6_000);
     for schedule in SCHEDULES {
         let settings = Settings { schedule, ..Settings::default() };
-        let mut traversal = Traversal::new(&Pool::new(4).with_settings(settings).measured());
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+        let pool = Pool::from(Arc::new(threads)).with_settings(settings).measured();
+        let mut traversal = Traversal::new(&pool);
         let mut pairs = Vec::<TrianglePair>::new();
         // Frames of nothing, of little and of much take turns.
         for frame in [0, 50, 20, 51, 52, 0, 53] {
