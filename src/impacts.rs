@@ -11,8 +11,8 @@ impl PairQuery {
     /// certainly meet before `to`, if that is finite. CPUs answer, whatever the executor; the same to the bit. After [`PairQuery::within`],
     /// all pairs that come within the distance, and when first.
     ///
-    /// Exact but for pairs that touch and do not pass, move in one plane for ever, or have coordinates of more than 356 bits, and a few that pass
-    /// each other at a gap of rounding errors: these are reported with an infinite `to`; within a distance, but for pairs that come as near as it is
+    /// Exact but for pairs that touch and do not pass, move in one plane for ever, or have coordinates of more than 356 bits, or pass
+    /// each other at a gap far below rounding errors: these are reported with an infinite `to`; within a distance, but for pairs that come as near as it is
     /// and no nearer. No pair is missed. See [`pfront_core::motion`].
     ///
     /// # Errors
