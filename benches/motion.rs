@@ -1,7 +1,7 @@
 //! Steps of a motion: a cloth that falls on a ball, and 12 steps of a garment, of the recorded data.
 //!
 //! `cargo bench --bench motion [-- ROUNDS]`, with the data in `$PFRONT_DATA` or `../shared/data`: the best times of some rounds on one
-//! thread and on two, beside the static query about the same positions, and tests as multiples of those of the same traversal at rest.
+//! thread and on all, beside the static query about the same positions, and tests as multiples of those of the same traversal at rest.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -56,9 +56,9 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
     let one = best(&mut || {
         found = motions.iter().map(|motion| query.impacts(motion).unwrap()).collect();
     });
-    let threads = Executor::threads(2);
-    let mut query = SelfQuery::new().on(&threads);
-    let two = best(&mut || {
+    let threads = std::thread::available_parallelism().unwrap();
+    let mut query = SelfQuery::new().on(&Executor::threads(threads.get()));
+    let all = best(&mut || {
         for (motion, found) in motions.iter().zip(&found) {
             assert!(query.impacts(motion).unwrap() == *found);
         }
@@ -81,7 +81,7 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
     }));
     println!("{name}: {} pairs, {proven} proven, digest {digest:016x}", pairs.len());
     println!(
-        "  impacts {one:.2} ms, on two threads {two:.2} ms; first {first:.2} ms; static {still:.2} ms"
+        "  impacts {one:.2} ms, on {threads} threads {all:.2} ms; first {first:.2} ms; static {still:.2} ms"
     );
     let times = |of: fn(&Work) -> u64| of(&moving) as f64 / of(&at_rest) as f64;
     println!(
