@@ -189,7 +189,9 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
             }
             Ok(())
         };
-        fronts(subjects, &tree, share).and_then(|front| history.by_pieces(&front, LEAST, list, out))
+        let for_threads = history.executor().pool.is_some();
+        fronts(subjects, &tree, share, for_threads)
+            .and_then(|front| history.by_pieces(&front, LEAST, list, out))
     };
     history.note_cpu(part.backend());
     listed
@@ -247,7 +249,7 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
             Ok(())
         };
         let share = if is_whole(executor) { 1 } else { front_of(subjects) };
-        fronts(subjects, &tree, share)
+        fronts(subjects, &tree, share, executor.pool.is_some())
             .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
     };
     history.note_cpu(part.backend());
@@ -264,11 +266,13 @@ fn earlier<F: Named>(p: Option<(F, Impact)>, q: Option<(F, Impact)>) -> Option<(
     }
 }
 
-/// A cut of each tree, of at least `share` node pairs if it has as many, one subject after the other.
+/// A cut of each tree, of at least `share` node pairs if it has as many, one subject after the other. For several threads, node pairs that are near each
+/// other are spread over the list, so that no piece of it has all of where much meets.
 fn fronts<'q, N, S: Copy>(
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
     share: usize,
+    for_threads: bool,
 ) -> Result<Vec<(MovingSubject<S>, NodePair)>, Error> {
     let (mut fronts, mut front, mut next) = (Vec::new(), Vec::new(), Vec::new());
     for &subject in subjects {
@@ -281,7 +285,8 @@ fn fronts<'q, N, S: Copy>(
                 std::mem::swap(&mut front, &mut next);
             }
         }
-        for &n in &front {
+        let rows = if for_threads { front.len().isqrt().max(1) } else { 1 };
+        for &n in (0..rows).flat_map(|row| front.iter().skip(row).step_by(rows)) {
             push(&mut fronts, (subject, n))?;
         }
     }
