@@ -79,6 +79,8 @@ pub(crate) struct Question<'q> {
     pub(crate) from: f64,
     /// Until when they are certainly apart, by other means, if they are so until a time.
     pub(crate) resume: &'q dyn Fn(f64) -> f64,
+    /// Whether they meet at the end.
+    pub(crate) meet_at_end: &'q dyn Fn() -> bool,
 }
 
 impl Question<'_> {
@@ -95,15 +97,18 @@ impl Question<'_> {
         let levels = |limbs| deepest(limbs, bits);
         let start = Open { time: (self.from * END as f64) as u128, level: 0 };
         let few = match (levels(LIMBS), levels(MORE_LIMBS)) {
-            (level @ DEEP.., _) => self.search::<LIMBS>(&axes, start, level),
-            (_, level @ DEEP..) => self.search::<MORE_LIMBS>(&axes, start, level),
+            (DEEP.., _) => self.search::<LIMBS>(&axes, start, DEEP),
+            (_, DEEP..) => self.search::<MORE_LIMBS>(&axes, start, DEEP),
             _ => Err(start),
         };
         let level = levels(MOST_LIMBS);
-        let answer = few.or_else(|open| match level >= FIRST && level > open.level {
-            true => self.search::<MOST_LIMBS>(&axes, open, level),
-            false => Err(open),
-        });
+        // Many that are open so deep meet no sooner than at the end, which is quickly told.
+        let goes_on = |open: Open| open.level == 0 || !(self.meet_at_end)();
+        let answer =
+            few.or_else(|open| match level >= FIRST && level > open.level && goes_on(open) {
+                true => self.search::<MOST_LIMBS>(&axes, open, level),
+                false => Err(open),
+            });
         answer.unwrap_or_else(|open| Verdict::Near {
             from: rounded_down(open.time).max(self.from),
             to: f64::INFINITY,

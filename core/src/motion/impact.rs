@@ -201,10 +201,11 @@ fn impact_after(
         return None;
     }
     let corners = [&a[0], &a[1], &b[0], &b[1]];
-    let verdict = Question { corners, count: pair.corners, from, resume: &resume }.answer();
-    let Verdict::Near { from, to } = verdict else { return None };
-    let meet_at_end = to.is_infinite() && intersects_in_f64(&a[1], &b[1]);
-    Some(Impact { from, to: if meet_at_end { 1.0 } else { to } })
+    let meet_at_end = || intersects_in_f64(&a[1], &b[1]);
+    let (resume, meet_at_end): (&dyn Fn(f64) -> f64, &dyn Fn() -> bool) = (&resume, &meet_at_end);
+    let question = Question { corners, count: pair.corners, from, resume, meet_at_end };
+    let Verdict::Near { from, to } = question.answer() else { return None };
+    Some(Impact { from, to: if to.is_infinite() && meet_at_end() { 1.0 } else { to } })
 }
 
 /// When two triangles come within a distance above 0 first, as [`impact_of`] tells when they meet.
