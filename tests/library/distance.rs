@@ -1,5 +1,6 @@
 //! The smallest distance: by every query and executor, as core finds it, which is tested against every two triangles.
 
+use crate::each_executor;
 use pfront::executor::{Backend, Reason};
 use pfront::pfront_core::bvtt::{PairBvtt, PosedBvh};
 use pfront::{
@@ -12,21 +13,6 @@ use pfront_testkit::scenes::torus_knot;
 use pfront_testkit::shapes::{bumpy, pose_rows, sphere, tangle};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-fn executors() -> Vec<Executor> {
-    let mut all = vec![Executor::sequential()];
-    #[cfg(feature = "threads")]
-    {
-        use pfront::threads::Pool;
-        all.extend([Executor::threads(1), Executor::threads(3), Pool::new(16).into()]);
-    }
-    #[cfg(feature = "gpu")]
-    {
-        let gpu = pfront::gpu::Gpu::new().unwrap();
-        all.push(Executor::gpu(&gpu, gpu.settings()));
-    }
-    all
-}
 
 fn model(mesh: MeshData) -> Arc<Model> {
     Arc::new(Model::new(mesh.positions, mesh.triangles).unwrap())
@@ -53,7 +39,7 @@ fn pairs_and_batches_on_every_executor() {
         assert_eq!(found.interval, truth.interval);
         assert!(found == *truth || truth.interval[1] == 0.0, "{found:?} {truth:?}");
     };
-    for executor in executors() {
+    for executor in each_executor(&[1, 3, 16]) {
         let (mut query, mut batch) = (PairQuery::new().on(&executor), Batch::new());
         for (pose, truth) in poses.iter().zip(&truths) {
             same(query.distance(&a, &b, *pose).unwrap(), truth);
@@ -84,7 +70,7 @@ fn scenes_on_every_executor() {
     let mut rng = seeded(72);
     let shapes = [model(sphere(4)), model(bumpy(4)), model(tangle(20, 20, 1, &mut rng))];
     let empty = Arc::new(Model::new(vec![[9.0; 3]], vec![]).unwrap());
-    for executor in executors() {
+    for executor in each_executor(&[1, 3, 16]) {
         let mut scene = SceneQuery::new().on(&executor);
         let lonely =
             BodyOptions { groups: Groups { memberships: 0, filter: 0 }, ..BodyOptions::default() };
@@ -139,7 +125,7 @@ fn in_f64_a_nanometre_is_told() {
     let positions = vec![[1e6, 0.0, 0.0], [1e6 + 1.0, 0.0, 0.0], [1e6, 1.0, 0.0]];
     let model = Model::from_f64(positions, vec![[0, 1, 2]]).unwrap();
     let above = Pose64::from_translation([0.0, 0.0, 1e-9]);
-    for executor in executors() {
+    for executor in each_executor(&[1, 3, 16]) {
         let gap = PairQuery::new().on(&executor).distance(&model, &model, above).unwrap().unwrap();
         let [low, high] = gap.interval;
         assert!(low <= 1e-9 && 1e-9 <= high && high - low < 1e-12, "{gap:?}");
@@ -161,7 +147,7 @@ fn what_is_no_question_is_refused() {
     batch.itself(&one, Adjacency::default());
     let refused = batch.distance(&Executor::sequential()).map(|_| ());
     assert_eq!(refused, Err(Error::NotAPair { question: 1 }));
-    for executor in executors() {
+    for executor in each_executor(&[1, 3, 16]) {
         let cancelled = executor.with_cancel(Arc::new(AtomicBool::new(true)));
         let mut query = PairQuery::new().on(&cancelled);
         assert_eq!(query.distance(&one, &one, pose), Err(Error::Cancelled));

@@ -37,3 +37,33 @@ mod threads;
 #[cfg(feature = "gpu")]
 mod wear;
 mod within;
+
+use pfront::Executor;
+
+/// The calling thread, threads of each number, and a GPU.
+#[cfg_attr(not(feature = "threads"), expect(unused_variables, reason = "there are no threads"))]
+fn each_executor(threads: &[usize]) -> Vec<Executor> {
+    let mut all = vec![Executor::sequential()];
+    #[cfg(feature = "threads")]
+    all.extend(threads.iter().map(|&number| Executor::threads(number)));
+    #[cfg(feature = "gpu")]
+    {
+        let gpu = pfront::gpu::Gpu::new().unwrap();
+        all.push(Executor::gpu(&gpu, gpu.settings()));
+    }
+    all
+}
+
+/// Pairs of crossing triangles in a row, in an order of their own, if the stride and their number have no factor in common.
+fn crosses(number: u64, stride: u64, shift: f32) -> Vec<[f32; 3]> {
+    const CROSS: [[f32; 3]; 6] = [
+        [0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0],
+        [0.0, 0.5, 0.0],
+        [0.1, 0.1, -0.1],
+        [0.1, 0.1, 0.2],
+        [0.2, 0.3, 0.2],
+    ];
+    let places = (0..number).map(|part| (part * stride % number) as f32 + shift);
+    places.flat_map(|place| CROSS.map(|[x, y, z]| [x + place, y, z])).collect()
+}

@@ -1,23 +1,14 @@
 //! Trees on a GPU that wear out are replaced: after a few frames a question takes about as many box tests as with a tree made for
 //! the shape.
 
+use crate::crosses;
 use pfront::gpu::Gpu;
 use pfront::{Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 
 const PARTS: u64 = 1_500;
 
-/// Pairs of crossing triangles in a row, in an order of their own.
 fn parts(stride: u64, shift: f32) -> Vec<[f32; 3]> {
-    let cross = [
-        [0.0, 0.0, 0.0],
-        [0.5, 0.0, 0.0],
-        [0.0, 0.5, 0.0],
-        [0.1, 0.1, -0.1],
-        [0.1, 0.1, 0.2],
-        [0.2, 0.3, 0.2],
-    ];
-    let places = (0..PARTS).map(|part| (part * stride % PARTS) as f32 + shift);
-    places.flat_map(|at| cross.map(|[x, y, z]| [x + at, y, z])).collect()
+    crosses(PARTS, stride, shift)
 }
 
 fn model(stride: u64) -> Model {

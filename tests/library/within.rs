@@ -1,9 +1,10 @@
 //! Pairs within a distance: by every query and executor, against the test of every two triangles.
 
+use crate::each_executor;
 use pfront::pfront_core::triangle::{Adjacency as Rule, intersects_in_mesh, within};
 use pfront::{
-    Adjacency, AnyPose, Batch, BodyOptions, Error, Executor, Model, PairQuery, Pose, SceneHit,
-    SceneQuery, SelfQuery, TrianglePair,
+    Adjacency, AnyPose, Batch, BodyOptions, Error, Model, PairQuery, Pose, SceneHit, SceneQuery,
+    SelfQuery, TrianglePair,
 };
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
@@ -13,18 +14,6 @@ use std::sync::Arc;
 const DISTANCES: [f32; 2] = [0.02, 0.4];
 
 const BODIES: usize = 7;
-
-fn executors() -> Vec<Executor> {
-    let mut all = vec![Executor::sequential()];
-    #[cfg(feature = "threads")]
-    all.push(Executor::threads(3));
-    #[cfg(feature = "gpu")]
-    {
-        let gpu = pfront::gpu::Gpu::new().unwrap();
-        all.push(Executor::gpu(&gpu, gpu.settings()));
-    }
-    all
-}
 
 fn model(soup: MeshData) -> Arc<Model> {
     Arc::new(Model::new(soup.positions, soup.triangles).unwrap())
@@ -58,7 +47,7 @@ fn of_one(model: &Model, distance: f32) -> Vec<TrianglePair> {
 fn pairs_and_selves_on_every_executor() {
     let mut rng = seeded(61);
     let (a, b) = (model(sphere(5)), model(bumpy(5)));
-    for executor in executors() {
+    for executor in each_executor(&[3]) {
         for distance in DISTANCES {
             let mut query = PairQuery::new().within(distance).unwrap().on(&executor);
             let mut own = SelfQuery::new().on(&executor).within(distance).unwrap();
@@ -94,7 +83,7 @@ fn pairs_and_selves_on_every_executor() {
 fn scenes_on_every_executor() {
     let mut rng = seeded(62);
     let shapes = [model(sphere(4)), model(bumpy(4)), model(tangle(20, 20, 1, &mut rng))];
-    for executor in executors() {
+    for executor in each_executor(&[3]) {
         for distance in DISTANCES {
             let mut scene = SceneQuery::new().on(&executor);
             scene.within(distance).unwrap();

@@ -4,6 +4,7 @@
 mod kept;
 mod verbs;
 
+use crate::crosses;
 use pfront::{BodyId, Error, Executor, Model, PairQuery, Pose, SceneQuery, SelfQuery};
 use pfront_testkit::MeshData;
 use pfront_testkit::scenes::{Scene, icosphere};
@@ -138,20 +139,9 @@ fn a_deforming_mesh_is_the_same() {
 /// Pairs of crossing triangles in a row, which change places: a tree is worn by that, and built anew.
 #[test]
 fn a_mesh_whose_parts_change_places_is_the_same() {
-    const PARTS: u32 = 600;
-    const CROSS: [[f32; 3]; 6] = [
-        [0.0, 0.0, 0.0],
-        [0.5, 0.0, 0.0],
-        [0.0, 0.5, 0.0],
-        [0.1, 0.1, -0.1],
-        [0.1, 0.1, 0.2],
-        [0.2, 0.3, 0.2],
-    ];
-    let shape = |stride: u32, shift: f32| -> Vec<[f32; 3]> {
-        let places = (0..PARTS).map(|part| (part * stride % PARTS) as f32 + shift);
-        places.flat_map(|place| CROSS.map(|[x, y, z]| [x + place, y, z])).collect()
-    };
-    let triangles: Vec<_> = (0..2 * PARTS).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    const PARTS: u64 = 600;
+    let shape = |stride, shift| crosses(PARTS, stride, shift);
+    let triangles: Vec<_> = (0..2 * PARTS as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     // The strides have no factor in common with the number of parts.
     let frames = [(1, 0.0), (7, 0.0), (7, 0.5), (11, 0.0), (11, 0.25), (13, 0.0), (1, 0.0)];
     for (name, executor) in EXECUTORS.iter() {

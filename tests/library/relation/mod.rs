@@ -4,6 +4,7 @@ mod patches;
 mod surface;
 mod volume;
 
+use crate::each_executor;
 use pfront::{Executor, Model, PairQuery, Pose, Pose64, Relation, Solid};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
@@ -11,18 +12,6 @@ use pfront_testkit::solids::{Truth, map, mapped, pair, truth};
 
 fn solid(mesh: MeshData) -> Solid {
     Solid::new(Model::new(mesh.positions, mesh.triangles).unwrap()).unwrap()
-}
-
-fn executors() -> Vec<Executor> {
-    let mut executors = vec![Executor::sequential()];
-    #[cfg(feature = "threads")]
-    executors.push(Executor::threads(2));
-    #[cfg(feature = "gpu")]
-    {
-        let gpu = pfront::gpu::Gpu::new().unwrap();
-        executors.push(Executor::gpu(&gpu, gpu.settings()));
-    }
-    executors
 }
 
 fn lattice_pair(rng: &mut pfront_testkit::rng::ChaCha8Rng) -> ([MeshData; 2], Truth) {
@@ -39,7 +28,7 @@ fn lattice_pair(rng: &mut pfront_testkit::rng::ChaCha8Rng) -> ([MeshData; 2], Tr
 #[test]
 fn every_executor_tells_the_relation_of_the_cells() {
     let mut rng = seeded(47);
-    let executors = executors();
+    let executors = each_executor(&[2]);
     let mut queries: Vec<_> = executors.iter().map(|e| PairQuery::new().on(e)).collect();
     for round in 0..60 {
         let (meshes, truth) = lattice_pair(&mut rng);
@@ -119,7 +108,7 @@ fn the_check_of_a_turned_assembly_finds_its_one_clash() {
     parts.push(blocks([2; 3], [22, 2, 42]));
     let clash = parts.len();
     parts.push(blocks([4; 3], [0, 0, 3]).map(|[x, y, z]| [x + 0.5, y + 0.5, z]));
-    for executor in executors().into_iter().take(2) {
+    for executor in each_executor(&[2]).into_iter().take(2) {
         let mut scene = SceneQuery::new().on(&executor);
         let mut ids = Vec::new();
         for part in &parts {

@@ -1,6 +1,6 @@
 //! Patches of contact of solids that are sets of cells, by every executor, and of solids that cross.
 
-use super::executors;
+use crate::each_executor;
 use pfront::{ContactPatch, ContactSize, Model, PairQuery, Pose, Pose64, TrianglePair};
 use pfront_testkit::MeshData;
 use pfront_testkit::rng::{RngExt, seeded};
@@ -94,7 +94,7 @@ fn patches_of_cells_are_those_that_their_surfaces_have_in_common() {
 #[test]
 fn every_executor_finds_the_same_patches() {
     let mut rng = seeded(45);
-    let executors = executors();
+    let executors = each_executor(&[2]);
     let mut queries: Vec<_> = executors.iter().map(|e| PairQuery::new().on(e)).collect();
     for _ in 0..20 {
         let [a, b] = pair(&mut rng).map(|solid| model(solid.mesh(false, &mut rng)));

@@ -1,6 +1,7 @@
 //! The volume that two solids have in common, against that of cells and against rationals.
 
-use super::{cube, executors, solid};
+use super::{cube, solid};
+use crate::each_executor;
 use pfront::{Model, PairQuery, Pose, Pose64, Relation, Solid};
 use pfront_testkit::MeshData;
 use pfront_testkit::oracle::overlap_volume;
@@ -13,7 +14,7 @@ use pfront_testkit::solids::{pair, truth};
 #[test]
 fn the_overlap_volume_is_that_of_the_cells() {
     let mut rng = seeded(51);
-    let executors = executors();
+    let executors = each_executor(&[2]);
     let mut queries: Vec<_> = executors.iter().map(|e| PairQuery::new().on(e)).collect();
     for round in 0..60 {
         let solids = pair(&mut rng);
