@@ -96,8 +96,8 @@ impl Pool {
     /// twice what the last frame took, if that is longer. Then as many are called as would be the fastest if as much is left as was
     /// done: so it takes at most 2 - 1 / q times what one thread takes with q threads, whatever it finds, as long as calls take
     /// these times. Others are called from the start if the last frame was worth it with what calling them really took, front included: as many as
-    /// would have been the fastest, with as many calls as threads were idle for the time of. Where not all are called, the front has a part for each that is. Without a
-    /// measurement, 2,048 tests stand for both times, an estimate for the last frame before there is one, and the counts of a
+    /// would have been the fastest, with as many calls as threads were idle for the time of. Where not all are called, the front has a
+    /// part for each that is. Without a measurement, 2,048 tests stand for both times, an estimate for the last frame before there is one, and the counts of a
     /// [`Report`](crate::Report) are the same on every machine.
     ///
     /// To call 64 threads can take six times as long as to call eight, and longer than the rest of the frame (benches/record/many-cores.md).

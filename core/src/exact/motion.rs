@@ -13,7 +13,7 @@
 //! Triangles that are apart have a shortest connection at each time, between two of these features, and its direction separates them with room
 //! to spare; so for short enough intervals one of the first two holds, since both depend continuously on the interval. Open is
 //! left only whether triangles meet that touch and do not pass, or that move in one plane for ever; and of those that pass each other at a gap far
-//! below rounding errors of f64, any for which the shortest intervals, 2^-96, are too long. None is known.
+//! below rounding errors of f64, any for which the shortest intervals are too long: 2^-96 for coordinates of up to 284 bits. None is known.
 //!
 //! Scaling an axis changes neither, hence each axis has a unit of its own.
 
@@ -36,7 +36,8 @@ const DEEPEST: u32 = 96;
 /// The end of the motion.
 const END: u128 = 1 << DEEPEST;
 
-/// Few limbs are tried if they suffice for intervals as short as 2^-56; what these leave open is asked of most.
+/// Few limbs are tried if they suffice for intervals as short as 2^-56; what these leave open is asked of most, unless the
+/// triangles meet at the end.
 const DEEP: u32 = 56;
 
 /// The first interval is 2^-24 long.

@@ -8,8 +8,8 @@
 //! - Two that are not reported meet at no time from 0 to 1.
 //! - Each that are have an [`Impact`]: they do not meet before `from`, and certainly meet before `to`, if that is finite. Else they come near
 //!   at `from`, and whether they meet is open: that is so where they touch and do not pass, where all corners move in one plane for ever,
-//!   where coordinates in f64 have more than 356 bits, and where they pass each other at a gap for which the shortest intervals, 2^-96, are too
-//!   long; no such pair is known. An undecided pair is reported, never dropped.
+//!   where coordinates in f64 have more than 356 bits, and where they pass each other at a gap for which the shortest intervals, 2^-96 for coordinates of up
+//!   to 284 bits, are too long; no such pair is known. An undecided pair is reported, never dropped.
 //! - At the times 0 and 1 they meet exactly if they intersect then.
 //!
 //! # How a pair is decided

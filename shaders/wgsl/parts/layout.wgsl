@@ -79,11 +79,11 @@ struct Step {
 
 // Demands, not contents: they count on beyond what a list can hold.
 struct Counters {
-    // Those of the last run, for consumers on the device.
+    // The same of the last run, for consumers on the device.
     last_hits: u32,
     last_overflow: u32,
     last_rest: u32,
-    // Of the host's question, where the host reads them.
+    // The host reads these of its question here.
     ticket: u32,
     // A run that looks for one hit leaves these two to the next.
     leaves: atomic<u32>,
