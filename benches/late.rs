@@ -64,7 +64,7 @@ impl Renderer {
         let own = Self { gpu: gpu.clone(), pipeline, group, rounds };
         let mut count = 1_000_u32;
         loop {
-            gpu.queue().write_buffer(&own.rounds, 0, bytemuck::bytes_of(&count));
+            gpu.queue().write_buffer(&own.rounds, 0, &count.to_le_bytes());
             own.draw();
             device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
             let clock = Instant::now();

@@ -113,9 +113,7 @@ fn compare(what: &str, [a, b]: [&Solid; 2], pose: Pose, expected: Option<Relatio
 /// A lattice of spheres, each a model of its own, that cross their neighbours.
 fn check() {
     let threads = std::thread::available_parallelism().unwrap().get();
-    let mut executors = vec![(1, Executor::sequential())];
-    #[cfg(feature = "threads")]
-    executors.push((threads, Executor::threads(threads)));
+    let executors = [(1, Executor::sequential()), (threads, Executor::threads(threads))];
     for (threads, executor) in executors {
         let mut scene = SceneQuery::new().on(&executor);
         let axes = || (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j)));

@@ -51,9 +51,7 @@ fn main() {
     );
     let model = Model::new(positions, triangles).unwrap();
     let threads = std::thread::available_parallelism().unwrap().get();
-    let mut executors = vec![(1, Executor::sequential())];
-    #[cfg(feature = "threads")]
-    executors.push((threads, Executor::threads(threads)));
+    let executors = [(1, Executor::sequential()), (threads, Executor::threads(threads))];
     for (threads, executor) in &executors {
         let queries = DISTANCES.map(|d| PairQuery::new().on(executor).within(d * edge).unwrap());
         let (mut queries, mut best) = (queries, [f64::INFINITY; DISTANCES.len()]);

@@ -86,10 +86,9 @@ fn threads(schedule: Schedule) -> Executor {
     Pool::from(Arc::new(pool)).with_settings(settings).into()
 }
 
-/// An executor of each kind, made in the environment of the thread that calls.
-fn executors() -> Vec<Executor> {
-    let of_schedule = [Schedule::Static, Schedule::Hybrid].map(threads);
-    [Executor::sequential()].into_iter().chain(of_schedule).collect()
+/// The thread that calls, and threads in its environment.
+fn executors(schedule: Schedule) -> [Executor; 2] {
+    [Executor::sequential(), threads(schedule)]
 }
 
 /// Threads have the environment in which their pool was made, which is another one than that of the question.
@@ -97,8 +96,10 @@ fn executors() -> Vec<Executor> {
 fn questions_that_are_asked_in_any_environment_are_answered_as_in_the_default_one() {
     let expected = questions::all(&questions::Subjects::new(), &Executor::sequential());
     assert!(expected.len() > 20);
-    for (setting, of_pool) in SETTINGS.into_iter().zip(SETTINGS.into_iter().cycle().skip(1)) {
-        let executors = under(of_pool, executors);
+    let schedules = [Schedule::Hybrid, Schedule::Static].into_iter().cycle();
+    let settings = SETTINGS.into_iter().zip(SETTINGS.into_iter().cycle().skip(1));
+    for ((setting, of_pool), schedule) in settings.zip(schedules) {
+        let executors = under(of_pool, || executors(schedule));
         for (number, executor) in executors.iter().enumerate() {
             let subjects = questions::Subjects::new();
             let found = under(setting, || questions::all(&subjects, executor));

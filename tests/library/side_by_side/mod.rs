@@ -210,7 +210,7 @@ fn from_environment(name: &str) -> Option<u64> {
 
 #[test]
 fn queries_side_by_side_answer_as_fresh_ones() {
-    let frames = from_environment("PFRONT_FRAMES").unwrap_or(4_000);
+    let frames = from_environment("PFRONT_FRAMES").unwrap_or(2_000);
     let seed = from_environment("PFRONT_SEED").unwrap_or(1);
     let mut rng = seeded(seed);
     let mut game = Game::new(&mut rng);
