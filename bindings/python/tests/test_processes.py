@@ -66,6 +66,7 @@ def test_sweep_on_a_pool():
     assert found == pf.collides(BALL, BALL, many).tolist()
 
 
+@pytest.mark.engines
 @pytest.mark.parametrize("engine", ["dask", "ray"])
 def test_examples_on_two_local_workers(engine, tmp_path):
     """The engine finds what the threads of one process find."""
