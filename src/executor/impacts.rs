@@ -75,6 +75,9 @@ const FRONT: usize = 4096;
 /// Node pairs that are worth a call of another thread.
 const LEAST: usize = 16;
 
+/// Node pairs that one thread looks at before it divides what may end early: about as long as the calls of others take.
+const ALONE: usize = 64;
+
 /// A subject that is asked about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MovingSubject<S> {
@@ -101,7 +104,7 @@ pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Sync>(
         });
         pushed.map(ControlFlow::Continue)
     };
-    by_node_pairs(history, subjects, tree, front_of(subjects), list, all)
+    by_node_pairs(history, &roots(subjects)?, tree, front_of(subjects), list, all)
 }
 
 /// How many pairs certainly meet, and how many do or are open.
@@ -125,7 +128,7 @@ pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Sync>(
         counts[1].fetch_add(all, Relaxed);
         Ok(ControlFlow::Continue(()))
     };
-    by_node_pairs(history, subjects, tree, front_of(subjects), add, &mut Vec::new())?;
+    by_node_pairs(history, &roots(subjects)?, tree, front_of(subjects), add, &mut Vec::new())?;
     Ok(counts.map(AtomicU64::into_inner))
 }
 
@@ -153,18 +156,65 @@ pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
         });
         Ok(end)
     };
-    let front = if is_whole(history.executor()) { 1 } else { front_of(subjects) };
-    by_node_pairs(history, subjects, tree, front, search, &mut Vec::new())?;
+    let (mut left, mut share) = (roots(subjects)?, 1);
+    if !is_whole(history.executor()) {
+        if begin(history, &mut left, &tree, search)?.is_break() {
+            left.clear();
+        }
+        share = front_of(subjects);
+    }
+    by_node_pairs(history, &left, tree, share, search, &mut Vec::new())?;
     Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Asks about all subjects by node pairs, at least `share` of each, on the threads of the executor, until `ask` breaks. It adds to a list.
+/// A node pair of the tree of a subject.
+type Part<S> = (MovingSubject<S>, NodePair);
+
+/// The whole of each subject.
+fn roots<S: Copy>(subjects: &[MovingSubject<S>]) -> Result<Vec<Part<S>>, Error> {
+    let mut all = Vec::new();
+    for &subject in subjects {
+        push(&mut all, (subject, NodePair::default()))?;
+    }
+    Ok(all)
+}
+
+/// Asks about some node pairs on the calling thread, depth first, for where much meets a hit is found before a front is made. The list
+/// becomes what is left.
+///
+/// # Errors
+/// Every error of `ask`, and as [`impacts`].
+fn begin<'q, N: Copy + Ord, S: Copy>(
+    history: &History<N>,
+    left: &mut Vec<Part<S>>,
+    tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
+    ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<()>) -> Result<ControlFlow<()>, Error>,
+) -> Result<ControlFlow<()>, Error> {
+    let (flag, mut below) = (history.executor().cancel_flag(), Vec::new());
+    left.reverse();
+    for _ in 0..ALONE {
+        check(flag)?;
+        let Some((subject, n)) = left.pop() else { break };
+        let Some((name, tree)) = tree(subject.subject) else { continue };
+        if deepen(&tree, &[n], &mut below)? {
+            for &child in &below {
+                push(left, (subject, child))?;
+            }
+        } else if ask(name, &tree, n, &mut Vec::new())?.is_break() {
+            return Ok(ControlFlow::Break(()));
+        }
+    }
+    left.reverse();
+    Ok(ControlFlow::Continue(()))
+}
+
+/// Asks about parts of subjects by node pairs, at least `share` of each subject, on the threads of the executor, until `ask` breaks. It adds to a list.
 ///
 /// # Errors
 /// Every error of `ask`, and as [`impacts`].
 fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
     history: &mut History<N>,
-    subjects: &[MovingSubject<S>],
+    parts: &[Part<S>],
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
     share: usize,
     ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<R>) -> Result<ControlFlow<()>, Error> + Sync,
@@ -173,7 +223,7 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
     let (part, has_ended) = (CpuPart::new(), AtomicBool::new(false));
     let listed = {
         let flag = history.executor().cancel_flag();
-        let list = |front: &[(MovingSubject<S>, NodePair)], out: &mut Vec<R>| {
+        let list = |front: &[Part<S>], out: &mut Vec<R>| {
             part.works();
             for of_one in front.chunk_by(|x, y| x.0 == y.0) {
                 let Some((name, tree)) = tree(of_one[0].0.subject) else { continue };
@@ -190,7 +240,7 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
             Ok(())
         };
         let for_threads = history.executor().pool.is_some();
-        fronts(subjects, &tree, share, for_threads)
+        fronts(parts, &tree, share, for_threads)
             .and_then(|front| history.by_pieces(&front, LEAST, list, out))
     };
     history.note_cpu(part.backend());
@@ -224,7 +274,7 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
     let listed = {
         let executor = history.executor();
         let flag = executor.cancel_flag();
-        let search = |front: &[(MovingSubject<S>, NodePair)], _: &mut Vec<()>| {
+        let search = |front: &[Part<S>], _: &mut Vec<()>| {
             part.works();
             for of_one in front.chunk_by(|x, y| x.0 == y.0) {
                 let MovingSubject { from, subject } = of_one[0].0;
@@ -249,7 +299,8 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
             Ok(())
         };
         let share = if is_whole(executor) { 1 } else { front_of(subjects) };
-        fronts(subjects, &tree, share, executor.pool.is_some())
+        roots(subjects)
+            .and_then(|parts| fronts(&parts, &tree, share, executor.pool.is_some()))
             .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
     };
     history.note_cpu(part.backend());
@@ -266,18 +317,21 @@ fn earlier<F: Named>(p: Option<(F, Impact)>, q: Option<(F, Impact)>) -> Option<(
     }
 }
 
-/// A cut of each tree, of at least `share` node pairs if it has as many, one subject after the other. For several threads, node pairs that are near each
-/// other are spread over the list, so that no piece of it has all of where much meets.
-fn fronts<'q, N, S: Copy>(
-    subjects: &[MovingSubject<S>],
+/// A cut of the parts of each tree, of at least `share` node pairs if they have as many, one subject after the other. For several threads, node
+/// pairs that are near each other are spread over the list, so that no piece of it has all of where much meets.
+fn fronts<'q, N, S: Copy + PartialEq>(
+    parts: &[Part<S>],
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
     share: usize,
     for_threads: bool,
-) -> Result<Vec<(MovingSubject<S>, NodePair)>, Error> {
+) -> Result<Vec<Part<S>>, Error> {
     let (mut fronts, mut front, mut next) = (Vec::new(), Vec::new(), Vec::new());
-    for &subject in subjects {
+    for of_one in parts.chunk_by(|x, y| x.0 == y.0) {
+        let subject = of_one[0].0;
         front.clear();
-        push(&mut front, NodePair::default())?;
+        for &(_, n) in of_one {
+            push(&mut front, n)?;
+        }
         if share > 1
             && let Some((_, tree)) = tree(subject.subject)
         {
