@@ -1276,6 +1276,27 @@ pfront_status_t pfront_model_query_first_impact(struct pfront_model_query_t *que
                                                 uint32_t *found,
                                                 struct pfront_error_t *error);
 
+// Finds some pair of triangles that meets, and stops at the first that certainly does: `found` is 1 and `impact` tells it, or `found` is 0
+// and `impact` is not written. `to` is INFINITY only if all that `pfront_model_query_impacts` finds are open. Executors may find different
+// pairs. All else is as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_any_impact(struct pfront_model_query_t *query,
+                                              const struct pfront_motion_t *a,
+                                              const struct pfront_motion_t *b,
+                                              uint32_t rule,
+                                              struct pfront_impact_t *impact,
+                                              uint32_t *found,
+                                              struct pfront_error_t *error);
+
+// Tells how many pairs of triangles meet: at least `low`, which certainly do, and at most `high`, which are all that
+// `pfront_model_query_impacts` finds. No list is kept. All else is as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_count_impacts(struct pfront_model_query_t *query,
+                                                 const struct pfront_motion_t *a,
+                                                 const struct pfront_motion_t *b,
+                                                 uint32_t rule,
+                                                 uint64_t *low,
+                                                 uint64_t *high,
+                                                 struct pfront_error_t *error);
+
 // Finds all triangles of a model that the closed segment between two points meets, each of 3 doubles: `count` of them in `hits`, sorted by
 // triangles. Exactly: touching counts, and a segment from a point to itself is that point. Coordinates are at most 2^125. `hits` belongs
 // to the query and is good until this is called again, or the query is freed. The calling thread answers, whatever the executor.

@@ -6,7 +6,7 @@ use crate::pose::pfront_pose64_t;
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_MOTION;
 use crate::subject::{self, ModelQuery, fault, of_rule, pfront_model_query_t};
-use pfront::{Impact, Model, Motion, Pose64, TrianglePair};
+use pfront::{Error, Model, Motion, PairQuery, Pose64, SelfQuery};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ impl Held {
         Ok(Self { start, end, poses })
     }
 
-    fn motion(&self) -> Result<Motion<'_>, pfront::Error> {
+    fn motion(&self) -> Result<Motion<'_>, Error> {
         match (&self.end, self.poses) {
             (Some(end), _) => Motion::between(&self.start, end),
             (None, Some([from, to])) => Motion::new(&self.start, from, to),
@@ -62,35 +62,30 @@ impl Held {
     }
 }
 
-/// All impacts of two motions, or of one model with itself, or the first.
-fn found(
-    call: &mut Call<'_>,
-    query: &mut ModelQuery,
-    a: *const pfront_motion_t,
-    b: *const pfront_motion_t,
+/// A query, and its answer to a verb about two motions, or about that of one model and itself.
+fn asked<'c, T>(
+    call: &mut Call<'c>,
+    query: *mut pfront_model_query_t,
+    [a, b]: [*const pfront_motion_t; 2],
     rule: u32,
-    is_first: bool,
-) -> Result<Vec<(TrianglePair, Impact)>, Fault> {
+    of_two: fn(&mut PairQuery, &Motion<'_>, &Motion<'_>) -> Result<T, Error>,
+    of_one: fn(&mut SelfQuery, &Motion<'_>) -> Result<T, Error>,
+) -> Result<(&'c mut ModelQuery, T), Fault> {
+    let query = call.owned(c"query", query)?;
+    query.own.check(c"query")?;
     let a = call.get(c"a", a)?;
     let a = Held::new(call, a)?;
     let rule = subject::rule(rule)?;
-    if b.is_null() {
+    let answer = if b.is_null() {
         let own = of_rule(&mut query.within, rule);
-        let motion = a.motion().map_err(fault)?;
-        return match is_first {
-            true => own.first_impact(&motion).map(|first| first.into_iter().collect()),
-            false => own.impacts(&motion),
-        }
-        .map_err(fault);
-    }
-    let b = call.get(c"b", b)?;
-    let b = Held::new(call, b)?;
-    let (a, b) = (a.motion().map_err(fault)?, b.motion().map_err(fault)?);
-    match is_first {
-        true => query.pair.first_impact(&a, &b).map(|first| first.into_iter().collect()),
-        false => query.pair.impacts(&a, &b),
-    }
-    .map_err(fault)
+        a.motion().and_then(|a| of_one(own, &a))
+    } else {
+        let b = call.get(c"b", b)?;
+        let b = Held::new(call, b)?;
+        let (a, b) = (a.motion().map_err(fault)?, b.motion().map_err(fault)?);
+        of_two(&mut query.pair, &a, &b)
+    };
+    Ok((query, answer.map_err(fault)?))
 }
 
 /// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
@@ -108,9 +103,7 @@ fn pfront_model_query_impacts(
     count: *mut usize,
 ) -> Done {
     let out = call.out_array(c"impacts", impacts, count)?;
-    let query = call.owned(c"query", query)?;
-    query.own.check(c"query")?;
-    let found = found(call, query, a, b, rule, false)?;
+    let (query, found) = asked(call, query, [a, b], rule, PairQuery::impacts, SelfQuery::impacts)?;
     out.set(&mut query.impacts, found.into_iter().map(pfront_impact_t::from))
 }
 
@@ -127,9 +120,47 @@ fn pfront_model_query_first_impact(
     found: *mut u32,
 ) -> Done {
     let (out, is_found) = (call.out(c"impact", impact)?, call.out(c"found", found)?);
-    let query = call.owned(c"query", query)?;
-    query.own.check(c"query")?;
-    let first = self::found(call, query, a, b, rule, true)?;
-    out.set_some(is_found, first.into_iter().next().map(pfront_impact_t::from));
+    let (_, first) =
+        asked(call, query, [a, b], rule, PairQuery::first_impact, SelfQuery::first_impact)?;
+    out.set_some(is_found, first.map(pfront_impact_t::from));
+    Ok(())
+}
+
+/// Finds some pair of triangles that meets, and stops at the first that certainly does: `found` is 1 and `impact` tells it, or `found` is 0
+/// and `impact` is not written. `to` is INFINITY only if all that `pfront_model_query_impacts` finds are open. Executors may find different
+/// pairs. All else is as for `pfront_model_query_impacts`.
+#[entry]
+fn pfront_model_query_any_impact(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    a: *const pfront_motion_t,
+    b: *const pfront_motion_t,
+    rule: u32,
+    impact: *mut pfront_impact_t,
+    found: *mut u32,
+) -> Done {
+    let (out, is_found) = (call.out(c"impact", impact)?, call.out(c"found", found)?);
+    let (_, any) = asked(call, query, [a, b], rule, PairQuery::any_impact, SelfQuery::any_impact)?;
+    out.set_some(is_found, any.map(pfront_impact_t::from));
+    Ok(())
+}
+
+/// Tells how many pairs of triangles meet: at least `low`, which certainly do, and at most `high`, which are all that
+/// `pfront_model_query_impacts` finds. No list is kept. All else is as for `pfront_model_query_impacts`.
+#[entry]
+fn pfront_model_query_count_impacts(
+    call: &mut Call<'_>,
+    query: *mut pfront_model_query_t,
+    a: *const pfront_motion_t,
+    b: *const pfront_motion_t,
+    rule: u32,
+    low: *mut u64,
+    high: *mut u64,
+) -> Done {
+    let (least, greatest) = (call.out(c"low", low)?, call.out(c"high", high)?);
+    let (_, [low, high]) =
+        asked(call, query, [a, b], rule, PairQuery::count_impacts, SelfQuery::count_impacts)?;
+    least.set(low);
+    greatest.set(high);
     Ok(())
 }

@@ -140,7 +140,7 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     // These have no counterpart: C takes a mesh in its own memory step by step, and forgets by a new query.
     let elsewhere =
         ["new", "on", "visit", "report", "forget", "plan", "contacts_f64", "distance_below"];
-    for file in ["pair.rs", "relation.rs"] {
+    for file in ["pair.rs", "relation.rs", "impacts.rs"] {
         let pair = fs::read_to_string(folder.join("../src").join(file)).unwrap();
         for verb in methods(&pair).filter(|verb| !elsewhere.contains(verb)) {
             assert!(has(&format!("pfront_model_query_{verb}")), "PairQuery::{verb} is not in C");

@@ -176,12 +176,40 @@ static void subjects(void)
     pfront_impact_t impact;
     OK(pfront_model_query_first_impact(query, &still, &flight, 0, &impact, &found, &error));
     THAT(found == 1 && impact.from <= impacts[0].from);
+    OK(pfront_model_query_any_impact(query, &still, &flight, 0, &impact, &found, &error));
+    THAT(found == 1 && impact.to < INFINITY);
+    size_t proven = 0, same = 0;
+    for (size_t i = 0; i < impact_count; i++) {
+        same += memcmp(&impacts[i], &impact, sizeof impact) == 0;
+        proven += impacts[i].to < INFINITY;
+    }
+    THAT(same == 1);
+    uint64_t low = 0, high = 0;
+    OK(pfront_model_query_count_impacts(query, &still, &flight, 0, &low, &high, &error));
+    THAT(low == proven && high == impact_count);
     const pfront_motion_t away = {model, NULL, &ahead, NULL}, itself = {model, model, NULL, NULL};
     OK(pfront_model_query_first_impact(query, &still, &away, 0, &impact, &found, &error));
     THAT(found == 0);
+    OK(pfront_model_query_any_impact(query, &still, &away, 0, &impact, &found, &error));
+    THAT(found == 0);
+    OK(pfront_model_query_count_impacts(query, &still, &away, 0, &low, &high, &error));
+    THAT(low == 0 && high == 0);
+    // What does not meet is within a hundred metres.
+    OK(pfront_model_query_within(query, 100, &error));
+    OK(pfront_model_query_any_impact(query, &still, &away, 0, &impact, &found, &error));
+    THAT(found == 1);
+    OK(pfront_model_query_count_impacts(query, &still, &away, 0, &low, &high, &error));
+    THAT(low == TRIANGLES * TRIANGLES && high == low);
+    OK(pfront_model_query_within(query, 0, &error));
     // At rest, a mesh meets itself where it intersects itself.
     OK(pfront_model_query_impacts(query, &itself, NULL, PFRONT_SHARED_INDEX, &impacts, &impact_count, &error));
     THAT(impact_count == within.count);
+    OK(pfront_model_query_count_impacts(query, &itself, NULL, PFRONT_SHARED_INDEX, &low, &high, &error));
+    THAT(high == within.count);
+    OK(pfront_model_query_any_impact(query, &itself, NULL, PFRONT_SHARED_INDEX, &impact, &found, &error));
+    THAT(found == 1);
+    EXPECT(PFRONT_NULL, "high", pfront_model_query_count_impacts(query, &itself, NULL, 0, &low, NULL, &error));
+    EXPECT(PFRONT_NULL, "impact", pfront_model_query_any_impact(query, &itself, NULL, 0, NULL, &found, &error));
     const pfront_motion_t both = {model, model, NULL, &ahead};
     EXPECT(PFRONT_MOTION, "to", pfront_model_query_impacts(query, &both, NULL, 0, &impacts, &impact_count, &error));
     EXPECT(PFRONT_NULL, "a", pfront_model_query_impacts(query, NULL, NULL, 0, &impacts, &impact_count, &error));

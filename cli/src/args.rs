@@ -37,7 +37,7 @@ Examples:
 
 Exit codes:
   0  done; for any: something meets, or is within the distance; for distance: they are; for check: all is allowed
-  1  for any and distance: nothing is so; for check: something is not allowed; with --fail: something is
+  1  for any, distance, impacts --first and impacts --any: nothing is so; for check: something is not allowed; with --fail: something is
   2  the command line or a file was refused; standard error says why
   130  interrupted";
 
@@ -91,7 +91,7 @@ pub(crate) enum Command {
     ///
     /// Every vertex goes in a straight line, from its place at time 0 to that at time 1. Prints for each pair the time before which it does
     /// not meet and that before which it certainly does; inf if that is open, as where triangles touch and do not pass. No pair is
-    /// missed. CPUs answer. With --first, the pair that meets first alone; the exit code is 1 if none does.
+    /// missed. CPUs answer. With --first, the pair that meets first alone, with --any, some pair: the exit code is 1 if there is none.
     Impacts(Impacts),
     /// List the self-intersections of meshes, each by itself
     ///

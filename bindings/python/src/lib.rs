@@ -57,7 +57,7 @@ mod _pfront {
     #[pymodule_export]
     use crate::files::read;
     #[pymodule_export]
-    use crate::impacts::impacts;
+    use crate::impacts::{any_impact, count_impacts, first_impact, impacts};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

@@ -43,6 +43,68 @@ def test_boxes_hit_when_their_gap_is_gone():
     assert still.pairs.tolist() == pf.pairs(box, box, placed(0.5, kind=np.float64)).tolist()
 
 
+MOVED = placed(3, kind=np.float64), placed(-1, kind=np.float64)
+TILE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float)
+
+
+def tiles(*places):
+    return np.concatenate([TILE + place for place in places]), np.arange(3 * len(places)).reshape(-1, 3)
+
+
+def slides(certain):
+    """Tiles that slide in the plane of others, which is open; and one that goes through, if that is asked for."""
+    floor = pf.Mesh(*tiles([0, 0, 0], [3, 0, 0], [6, 0, 0]))
+    starts, ends = [[-1.5, 0, 0], [1.5, 0, 0], [6, 0, 1]], [[1.5, 0, 0], [4.5, 0, 0], [6, 0, -1 if certain else 0.5]]
+    return (floor, pf.Mesh(*tiles(*starts))), {"b_end": tiles(*ends)[0]}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("within", [0, 0.75])
+def test_whether_any_and_how_many_are_those_of_the_list(threads, within):
+    box, sheet = pf.Mesh(*pf._box()), pf.Mesh(sheets(0.5), FACES)
+    kinds = set()
+    for meshes, motion in [
+        ((box, box, MOVED[0]), {"pose_end": MOVED[1]}),
+        ((box, box, MOVED[0]), {}),
+        ((box, box, placed(9, kind=np.float64)), {"pose_end": MOVED[0]}),
+        ((sheet,), {"a_end": sheets(-0.5)}),
+        ((sheet,), {"a_end": sheets(0.25)}),
+        slides(False),
+        slides(True),
+    ]:
+        with pf.using(threads=threads):
+            found = pf.impacts(*meshes, **motion, within=within)
+            some = pf.any_impact(*meshes, **motion, within=within)
+            first = pf.first_impact(*meshes, **motion, within=within)
+            low, high = pf.count_impacts(*meshes, **motion, within=within)
+        assert (low, high) == (found.proven.sum(), len(found))
+        rows = [pf.Impact(tuple(pair), *times) for pair, *times in zip(found.pairs.tolist(), found.start, found.end)]
+        if some is None:
+            assert first is None and high == 0
+        else:
+            assert some in rows and some.proven == (low > 0)
+            assert first == min(rows, key=lambda impact: (impact.start, impact.pair))
+        kinds.add((low > 0, high > low))
+    assert kinds >= {(False, False), (True, False)}
+    # What slides in the plane is within the distance for certain.
+    assert within > 0 or kinds >= {(False, True), (True, True)}
+
+
+def test_a_distance_is_reached_on_the_way():
+    box = pf.Mesh(*pf._box())
+    meshes, end = (box, box, MOVED[0]), {"pose_end": placed(1.5, kind=np.float64)}
+    assert pf.first_impact(*meshes, **end) is None and pf.count_impacts(*meshes, **end) == (0, 0)
+    # From a gap of 2 to one of 0.5.
+    assert 0.666 < pf.first_impact(*meshes, **end, within=1).start <= 2 / 3
+    assert len(pf.impacts(*meshes, **end, within=0.4)) == 0 and pf.any_impact(*meshes, **end, within=0.4) is None
+    for ask in (pf.impacts, pf.first_impact, pf.any_impact, pf.count_impacts):
+        for bad in (float("nan"), float("inf"), -1):
+            with pytest.raises(ValueError, match="must be finite and not negative"):
+                ask(*meshes, **end, within=bad)
+        with pytest.raises(ValueError, match="has to move"):
+            ask(box)
+
+
 def test_what_is_no_motion_is_refused():
     box, mesh = pf.Mesh(*pf._box()), pf.Mesh(sheets(1), FACES)
     with pytest.raises(ValueError, match="has to move"):

@@ -1,6 +1,6 @@
 //! The meshes that move, and where to.
 
-use super::{Reading, matrix, numbers, rows_of};
+use super::{Reading, matrix, near, numbers, rows_of};
 use clap::Args;
 use pfront::Pose64;
 use pfront_cli::executor::ExecutorArgs;
@@ -35,6 +35,16 @@ pub(crate) struct Impacts {
     /// Only the pair that meets first
     #[arg(long)]
     pub(crate) first: bool,
+    /// Only some pair, and stop at the first that certainly meets; executors may find different ones
+    #[arg(long, conflicts_with = "first")]
+    pub(crate) any: bool,
+    /// Only how many pairs meet: from how many certainly do to how many do or are open
+    #[arg(long, conflicts_with_all = ["first", "any"])]
+    pub(crate) count: bool,
+    /// Ask for pairs that come at most so far apart on the way in place of those that meet; rounded up to f32, so that no pair is missed.
+    /// Triangles of one mesh that share a vertex are decided as without
+    #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true, value_parser = near)]
+    pub(crate) within: Option<f32>,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

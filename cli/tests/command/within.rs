@@ -15,7 +15,7 @@ fn apart() -> TempDir {
     folder
 }
 
-fn json(at: &Path, arguments: &str) -> serde_json::Value {
+pub(super) fn json(at: &Path, arguments: &str) -> serde_json::Value {
     serde_json::from_str(&out(at, arguments)).unwrap()
 }
 
@@ -83,9 +83,13 @@ fn every_question_takes_a_distance() {
 #[test]
 fn distances_that_are_none() {
     let folder = apart();
-    for question in
-        ["pairs low.obj high.obj", "any low.obj high.obj", "self low.obj", "scene low.obj"]
-    {
+    for question in [
+        "pairs low.obj high.obj",
+        "any low.obj high.obj",
+        "self low.obj",
+        "scene low.obj",
+        "impacts low.obj high.obj",
+    ] {
         for bad in ["-1", "-1e-300", "nan", "inf", "1e300"] {
             let error = refused(folder.path(), &format!("{question} --within {bad}"));
             assert!(error.contains("a distance must be finite and not negative"), "{error}");

@@ -21,6 +21,8 @@ question is about one instant, but for `impacts`. Touching counts, and there is 
       overlap_volume                                        the volume that two solids have in common: an interval
       impacts                                               which faces meet while meshes move, and when
       first_impact                                          the faces that meet first
+      any_impact                                            some faces that meet while meshes move, or None
+      count_impacts                                         how many pairs do: the least and the greatest number
       sweep                                                 any of these for many poses, one by one, on other processes too
       part, Part                                            one of n parts of a large question
     Questions about one mesh, and points
@@ -91,8 +93,8 @@ from ._errors import BlobError, DeviceError, MeshError, NotSolid, PoseError, Sta
 from ._mesh import Mesh, bodies, load
 from ._pfront import __version__ as __version__
 from ._questions import (
-    ContactPatch, Contacts, Gap, Gaps, Impact, Impacts, Part, Ragged, collides, contacts, count, distance, first, first_impact, impacts,
-    inside, overlap_volume, pairs, part, patches, relation, segment, segment_first, sweep,
+    ContactPatch, Contacts, Gap, Gaps, Impact, Impacts, Part, Ragged, any_impact, collides, contacts, count,
+    count_impacts, distance, first, first_impact, impacts, inside, overlap_volume, pairs, part, patches, relation, segment, segment_first, sweep,
 )  # fmt: skip
 from ._scene import Hits, Scene, SceneContacts, check
 from ._settings import devices, explain, using
@@ -100,8 +102,8 @@ from ._show import register, show
 
 __all__ = [
     "BlobError", "CheckReport", "CheckedPair", "ContactPatch", "ContactSize", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Impact", "Impacts", "Mesh", "MeshError", "NotSolid",
-    "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "bodies", "check", "collides", "compat", "contacts",
-    "count", "devices", "distance", "explain", "first", "first_impact", "impacts", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
+    "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "any_impact", "bodies", "check", "collides", "compat", "contacts",
+    "count", "count_impacts", "devices", "distance", "explain", "first", "first_impact", "impacts", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
     "segment", "segment_first", "show", "sweep", "using",
 ]  # fmt: skip
 

@@ -7,7 +7,8 @@ from ._errors import NotSolid
 from ._questions import Progress, Relation
 
 __all__ = [
-    "Executor", "adapters", "Model", "all", "any", "at_least", "contacts", "count", "distance", "first", "forked", "impacts", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
+    "Executor", "adapters", "Model", "all", "any", "any_impact", "at_least", "contacts", "count", "count_impacts", "distance", "first",
+    "first_impact", "forked", "impacts", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
     "segment", "segment_first",
 ]
 
@@ -16,6 +17,8 @@ _Pairs = npt.NDArray[np.uint32]
 _Ids = npt.NDArray[np.int64]
 _Gaps = tuple[npt.NDArray[np.float64], _Ids, npt.NDArray[np.float64]]
 _Interval = tuple[float, float]
+_Impact = tuple[tuple[int, int], float, float]
+_Motions = tuple["Model", "Model | None", "Model | None", "Model | None", tuple[Any, Any]]
 _Size = tuple[int, int, _Interval, _Interval]
 _Patch = tuple[int, bool, _Interval, _Interval, _Pairs, npt.NDArray[np.float64], _Pairs]
 _Rest = tuple[
@@ -106,9 +109,10 @@ def segment(model: Model, ends: tuple[_Point, _Point], on: Executor) -> _Along: 
 def segment_first(
     model: Model, starts: npt.NDArray[np.float64], ends: npt.NDArray[np.float64], on: Executor
 ) -> tuple[_Ids, npt.NDArray[np.float64]]: ...
-def impacts(
-    a: Model, a_end: Model | None, b: Model | None, b_end: Model | None, poses: tuple[Any, Any], first: bool, on: Executor
-) -> tuple[_Pairs, npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def impacts(motions: _Motions, within: float, on: Executor) -> tuple[_Pairs, npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def first_impact(motions: _Motions, within: float, on: Executor) -> _Impact | None: ...
+def any_impact(motions: _Motions, within: float, on: Executor) -> _Impact | None: ...
+def count_impacts(motions: _Motions, within: float, on: Executor) -> tuple[int, int]: ...
 def patches(a: Model, b: Model, pose: Any, on: Executor) -> list[_Patch]: ...
 def overlap_volume(
     a: Model, b: Model, pose: Any, on: Executor, progress: Progress | None

@@ -20,7 +20,7 @@ from ._settings import current
 
 __all__ = [
     "first", "collides", "pairs", "count", "contacts", "distance", "relation", "overlap_volume", "patches", "inside", "segment",
-    "segment_first", "impacts", "first_impact", "Impact", "Impacts", "ContactPatch", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
+    "segment_first", "impacts", "first_impact", "any_impact", "count_impacts", "Impact", "Impacts", "ContactPatch", "sweep", "part", "Part", "Ragged", "Contacts", "Gap", "Gaps",
 ]  # fmt: skip
 
 Progress = Callable[[int, int], Any]
@@ -838,7 +838,7 @@ def segment_first(mesh: MeshLike, starts: Any, ends: Any) -> tuple[_Counts, _Flo
 
 @dataclass(frozen=True)
 class Impact:
-    """When two faces meet first, as far as it is proven.
+    """When two faces meet first, or come within a distance, as far as it is proven.
 
     Attributes
     ----------
@@ -893,7 +893,9 @@ def _end(mesh: MeshLike, end: Any) -> _pfront.Model | None:
     return end._model if isinstance(end, Mesh) else mesh.with_vertices(end)._model
 
 
-def _impacts(a: MeshLike, b: MeshLike | None, pose: OnePose, pose_end: OnePose, a_end: Any, b_end: Any, first: bool) -> Impacts:
+def _motions(
+    a: MeshLike, b: MeshLike | None, pose: OnePose, pose_end: OnePose, a_end: Any, b_end: Any
+) -> tuple[_pfront.Model, _pfront.Model | None, _pfront.Model | None, _pfront.Model | None, tuple[OnePose, OnePose]]:
     if b is None:
         if pose is not None or pose_end is not None or b_end is not None:
             raise ValueError("pose, pose_end and b_end are those of b, which is not given")
@@ -901,15 +903,15 @@ def _impacts(a: MeshLike, b: MeshLike | None, pose: OnePose, pose_end: OnePose, 
             raise ValueError("one mesh alone has to move: a_end says where to")
     elif b_end is not None and (pose is not None or pose_end is not None):
         raise ValueError("a mesh that deforms has no pose: give its vertices in the frame of a")
-    first_model, second_model = _two(a, b)
+    first, second = _two(a, b)
     second_end = None if b is None else _end(b, b_end)
-    poses = (pose, pose if pose_end is None else pose_end)
-    return Impacts(*_pfront.impacts(first_model, _end(a, a_end), second_model, second_end, poses, first, current()))
+    return first, _end(a, a_end), second, second_end, (pose, pose if pose_end is None else pose_end)
 
 
 def impacts(
-    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None
-) -> Impacts:
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None,
+    within: float = 0.0,
+) -> Impacts:  # fmt: skip
     """Find the faces of two moving meshes, or of one that deforms, that meet on the way, and when.
 
     Every vertex goes in a straight line, from its place at time 0 to that at time 1, also where a pose turns. No pair is missed.
@@ -922,6 +924,9 @@ def impacts(
         The pose of b in the frame of a at time 0 and at time 1; without the second, b stays.
     a_end, b_end : Mesh or array_like of shape (n, 3), optional
         A mesh that deforms: its vertices at time 1, or a mesh of the same faces.
+    within : float
+        Ask for pairs that come at most so far apart on the way, in place of those that meet; rounded up to float32, so that no pair is
+        missed. What two faces of one mesh share by index is decided as without.
 
     Returns
     -------
@@ -931,7 +936,7 @@ def impacts(
     Raises
     ------
     ValueError
-        If the faces at both times are not the same, or nothing moves.
+        If the faces at both times are not the same, or nothing moves; if `within` is NaN, infinite or negative.
 
     Examples
     --------
@@ -946,17 +951,18 @@ def impacts(
     >>> found.pairs.tolist(), bool(found.start[0] <= 0.25 <= found.end[0] < 0.250001)
     ([[0, 0]], True)
     """
-    return _impacts(a, b, pose, pose_end, a_end, b_end, False)
+    return Impacts(*_pfront.impacts(_motions(a, b, pose, pose_end, a_end, b_end), within, current()))
 
 
 def first_impact(
-    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None
-) -> Impact | None:
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None,
+    within: float = 0.0,
+) -> Impact | None:  # fmt: skip
     """Find the faces of two moving meshes, or of one that deforms, that meet first, and when.
 
     Parameters
     ----------
-    a, b, pose, pose_end, a_end, b_end
+    a, b, pose, pose_end, a_end, b_end, within
         As for `impacts`.
 
     Returns
@@ -976,11 +982,69 @@ def first_impact(
     >>> first.start <= 0.5, first.start > 0.499
     (True, True)
     """
-    found = _impacts(a, b, pose, pose_end, a_end, b_end, True)
-    if len(found) == 0:
-        return None
-    x, y = found.pairs[0].tolist()
-    return Impact((x, y), float(found.start[0]), float(found.end[0]))
+    found = _pfront.first_impact(_motions(a, b, pose, pose_end, a_end, b_end), within, current())
+    return None if found is None else Impact(*found)
+
+
+def any_impact(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None,
+    within: float = 0.0,
+) -> Impact | None:  # fmt: skip
+    """Find some faces of two moving meshes, or of one that deforms, that meet on the way, if any do.
+
+    Stops at the first pair that certainly meets, whenever that is, where `first_impact` has to look for what comes before. Other numbers of
+    threads may find other pairs.
+
+    Parameters
+    ----------
+    a, b, pose, pose_end, a_end, b_end, within
+        As for `impacts`.
+
+    Returns
+    -------
+    Impact or None
+        One of `impacts`, proven if any of them is; None if there are none.
+
+    Examples
+    --------
+    >>> import numpy as np, pfront as pf
+    >>> box, start, end = pf.Mesh(*pf._box()), np.eye(4), np.eye(4)
+    >>> start[0, 3], end[0, 3] = 3, 1.5
+    >>> pf.any_impact(box, box, start, pose_end=end) is None
+    True
+    >>> pf.any_impact(box, box, start, pose_end=end, within=0.75).proven
+    True
+    """
+    found = _pfront.any_impact(_motions(a, b, pose, pose_end, a_end, b_end), within, current())
+    return None if found is None else Impact(*found)
+
+
+def count_impacts(
+    a: MeshLike, b: MeshLike | None = None, pose: OnePose = None, *, pose_end: OnePose = None, a_end: Any = None, b_end: Any = None,
+    within: float = 0.0,
+) -> tuple[int, int]:  # fmt: skip
+    """Count the pairs of faces of two moving meshes, or of one that deforms, that meet on the way. No list is kept.
+
+    Parameters
+    ----------
+    a, b, pose, pose_end, a_end, b_end, within
+        As for `impacts`.
+
+    Returns
+    -------
+    (int, int)
+        The least and the greatest that the number can be: how many of `impacts` are proven, and how many there are.
+
+    Examples
+    --------
+    >>> import pfront as pf
+    >>> faces = [[0, 1, 2], [3, 4, 5]]
+    >>> low = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> above, below = ([[x, y, z] for x, y, _ in low] for z in (0.5, -0.5))
+    >>> pf.count_impacts(pf.Mesh(low + above, faces), a_end=low + below)
+    (1, 1)
+    """
+    return _pfront.count_impacts(_motions(a, b, pose, pose_end, a_end, b_end), within, current())
 
 
 @dataclass(frozen=True)
