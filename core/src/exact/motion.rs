@@ -63,11 +63,11 @@ type Vector<const L: usize> = [Wide<L>; 3];
 /// The corners of both triangles: 0 to 2 are those of the first, 3 to 5 those of the second.
 type Corners<const L: usize> = [Vector<L>; 6];
 
-/// A search that has not ended: the triangles are apart until a time, and nothing is proven in the interval from there on at a level.
-#[derive(Clone, Copy)]
+/// A search that has not ended: the triangles are apart until a time, and nothing is proven in the interval from there on.
 struct Open {
     time: u128,
-    level: u32,
+    /// That of the interval, from which shorter ones may go on; none if as many intervals were tried as may be.
+    level: Option<u32>,
 }
 
 /// Two moving triangles of which integers decide.
@@ -96,38 +96,43 @@ impl Question<'_> {
         });
         let bits = axes.iter().map(Axis::bits).max().unwrap_or(0);
         let levels = |limbs| deepest(limbs, bits);
-        let start = Open { time: (self.from * END as f64) as u128, level: 0 };
+        let start = (self.from * END as f64) as u128;
         let few = match (levels(LIMBS), levels(MORE_LIMBS)) {
-            (DEEP.., _) => self.search::<LIMBS>(&axes, start, DEEP),
-            (_, DEEP..) => self.search::<MORE_LIMBS>(&axes, start, DEEP),
-            _ => Err(start),
+            (DEEP.., _) => Some(self.search::<LIMBS>(&axes, start, FIRST, DEEP)),
+            (_, DEEP..) => Some(self.search::<MORE_LIMBS>(&axes, start, FIRST, DEEP)),
+            _ => None,
         };
-        let level = levels(MOST_LIMBS);
-        // Many that are open so deep meet no sooner than at the end, which is quickly told.
-        let goes_on = |open: Open| open.level == 0 || !(self.meet_at_end)();
-        let answer =
-            few.or_else(|open| match level >= FIRST && level > open.level && goes_on(open) {
-                true => self.search::<MOST_LIMBS>(&axes, open, level),
-                false => Err(open),
-            });
+        let deepest = levels(MOST_LIMBS);
+        let most = |time, level| self.search::<MOST_LIMBS>(&axes, time, level, deepest);
+        let answer = match few {
+            None if deepest < FIRST => Err(Open { time: start, level: None }),
+            None => most(start, FIRST),
+            // Many that are open so deep meet no sooner than at the end, which is quickly told.
+            Some(Err(Open { time, level: Some(level) }))
+                if level < deepest && !(self.meet_at_end)() =>
+            {
+                most(time, level)
+            }
+            Some(answer) => answer,
+        };
         answer.unwrap_or_else(|open| Verdict::Near {
             from: rounded_down(open.time).max(self.from),
             to: f64::INFINITY,
         })
     }
 
-    /// Goes on where a search was open, as deep as a level.
+    /// Goes through intervals from a time on, the first of a level, as deep as another.
     #[inline(never)]
     fn search<const L: usize>(
         &self,
         axes: &[Axis<12>; 3],
-        Open { mut time, mut level }: Open,
+        mut time: u128,
+        mut level: u32,
         deepest: u32,
     ) -> Result<Verdict, Open> {
         let mut ends: [Corners<L>; 2] = [[[Wide::new(0, 0); 3]; 6]; 2];
         fill(&mut ends, axes);
         let mut interval = Interval { ends, count: self.count };
-        level = level.max(FIRST);
         let mut growth = 1;
         let mut last = Direction::Normal(Feature::Face { of: 0, corner: 0 });
         for _ in 0..INTERVALS {
@@ -146,13 +151,13 @@ impl Question<'_> {
                 let to = rounded_up(until);
                 return Ok(Verdict::Near { from: rounded_down(time).max(self.from), to });
             } else if level == deepest {
-                return Err(Open { time, level });
+                return Err(Open { time, level: Some(level) });
             } else {
                 (level, growth) = ((level + 4).min(deepest), 1);
             }
         }
         // Deeper ones would not be fewer.
-        Err(Open { time, level: u32::MAX })
+        Err(Open { time, level: None })
     }
 }
 
