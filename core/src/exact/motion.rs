@@ -66,7 +66,7 @@ type Corners<const L: usize> = [Vector<L>; 6];
 /// A search that has not ended: the triangles are apart until a time, and nothing is proven in the interval from there on.
 struct Open {
     time: u128,
-    /// That of the interval, from which shorter ones may go on; none if as many intervals were tried as may be.
+    /// The level of the interval, where shorter ones may go on; none if as many intervals were tried as may be.
     level: Option<u32>,
 }
 
