@@ -9,7 +9,6 @@ use pfront::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fmt::Debug;
 use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Smaller allocations are not refused.
 const LARGE: usize = 8 << 10;
@@ -48,12 +47,6 @@ unsafe impl GlobalAlloc for Refusing {
         // SAFETY: as the caller's.
         unsafe { System.realloc(pointer, layout, bytes) }
     }
-}
-
-/// The allocator serves one test at a time.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Runs `ask` on new subjects with every number of large allocations granted, from none to as many as it needs; each time it
@@ -127,9 +120,16 @@ fn executors() -> Vec<(&'static str, Executor)> {
     [("one thread", Executor::sequential())].into_iter().chain(threads).collect()
 }
 
+/// One test, since the allocator would refuse what the program that runs tests needs for another that ends meanwhile.
 #[test]
+fn what_does_not_fit_into_memory_is_refused() {
+    pairs_that_do_not_fit_into_memory_are_refused();
+    pairs_within_a_model_that_do_not_fit_into_memory_are_refused();
+    models_that_do_not_fit_into_memory_are_refused();
+    models_move_with_the_memory_that_there_is();
+}
+
 fn pairs_that_do_not_fit_into_memory_are_refused() {
-    let _alone = alone();
     let (a, b) = (model(1), model(2));
     let pose = AnyPose::F32(Pose::IDENTITY);
     for (name, executor) in executors() {
@@ -163,9 +163,7 @@ fn pairs_that_do_not_fit_into_memory_are_refused() {
     }
 }
 
-#[test]
 fn pairs_within_a_model_that_do_not_fit_into_memory_are_refused() {
-    let _alone = alone();
     // Certificates that are not made yet.
     let subject = |executor: &Executor| (SelfQuery::new().on(executor), model(3));
     for (name, executor) in executors() {
@@ -191,9 +189,7 @@ fn shape(model: &Model) -> (usize, [usize; 2]) {
     (model.bvh().nodes().len(), [model.mesh().vertex_count(), model.mesh().triangles().len()])
 }
 
-#[test]
 fn models_that_do_not_fit_into_memory_are_refused() {
-    let _alone = alone();
     let (positions, triangles) = soup(4, 2_000);
     let wide = |p: &[f32; 3]| p.map(|x| f64::from(x) + 1e-9);
     let positions_f64: Vec<[f64; 3]> = positions.iter().map(wide).collect();
@@ -218,9 +214,7 @@ fn models_that_do_not_fit_into_memory_are_refused() {
     assert_eq!(with_each_failure("to_blob", model, to_blob), 1);
 }
 
-#[test]
 fn models_move_with_the_memory_that_there_is() {
-    let _alone = alone();
     let (positions, triangles) = soup(5, 2_000);
     let scattered: Vec<[f32; 3]> = soup(6, 2_000).0;
     let few = |positions: &[[f32; 3]]| {
