@@ -95,11 +95,15 @@ await sameOnGpu();
 for (const mode of ["self", "cloth"]) {
   await page.click(`[data-mode=${mode}]`);
   await page.waitForFunction((mode) => window.page.state.mode === mode && window.page.state.answer.at === window.page.state.asked, mode);
+  // The cloth moves: what is seen of it depends on when it is looked at.
+  const isSeen = () => {
+    const { red, yellow } = window.page.probe();
+    return window.page.state.answer.contacts.pairs.length > 200 && red > 100 && yellow > 100;
+  };
   await page.waitForTimeout(500);
+  await page.waitForFunction(isSeen, null, { polling: 200, timeout: 60_000 });
   const { pairs, work } = await page.evaluate(() => ({ pairs: window.page.state.answer.contacts.pairs.length / 2, work: window.page.state.work.slice(-20).sort((a, b) => a - b) }));
-  const { red, yellow } = await page.evaluate(() => window.page.probe());
-  console.log(`${mode}: ${pairs} pairs, red ${red}, yellow ${yellow}, a frame ${work[work.length >> 1].toFixed(1)} ms`);
-  assert.ok(pairs > 100 && red > 100 && yellow > 100);
+  console.log(`${mode}: ${pairs} pairs, a frame ${work[work.length >> 1].toFixed(1)} ms`);
 }
 
 // Two tetrahedra that touch, one of them turned inside out, are opened; and a file that is none.
