@@ -75,7 +75,7 @@ const FRONT: usize = 4096;
 /// Node pairs that are worth a call of another thread.
 const LEAST: usize = 16;
 
-/// Node pairs that one thread looks at before it divides what may end early: about as long as the calls of others take.
+/// Node pairs that one thread looks at before it divides what may end early: a walk down two trees of a million triangles takes half of them.
 const ALONE: usize = 64;
 
 /// A subject that is asked about.
@@ -104,7 +104,7 @@ pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Sync>(
         });
         pushed.map(ControlFlow::Continue)
     };
-    by_node_pairs(history, &roots(subjects)?, tree, front_of(subjects), list, all)
+    by_node_pairs(history, roots(subjects), tree, front_of(subjects), list, all)
 }
 
 /// How many pairs certainly meet, and how many do or are open.
@@ -128,7 +128,7 @@ pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Sync>(
         counts[1].fetch_add(all, Relaxed);
         Ok(ControlFlow::Continue(()))
     };
-    by_node_pairs(history, &roots(subjects)?, tree, front_of(subjects), add, &mut Vec::new())?;
+    by_node_pairs(history, roots(subjects), tree, front_of(subjects), add, &mut Vec::new())?;
     Ok(counts.map(AtomicU64::into_inner))
 }
 
@@ -156,22 +156,20 @@ pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
         });
         Ok(end)
     };
-    let (mut left, mut share) = (roots(subjects)?, 1);
+    let (mut above, mut share) = (roots(subjects), 1);
     if !is_whole(history.executor()) {
-        if begin(history, &mut left, &tree, search)?.is_break() {
-            left.clear();
-        }
+        above = above.and_then(|above| begin(history, above, &tree, search));
         share = front_of(subjects);
     }
-    by_node_pairs(history, &left, tree, share, search, &mut Vec::new())?;
+    by_node_pairs(history, above, tree, share, search, &mut Vec::new())?;
     Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// A node pair of the tree of a subject.
-type Part<S> = (MovingSubject<S>, NodePair);
+type SubjectNodePair<S> = (MovingSubject<S>, NodePair);
 
 /// The whole of each subject.
-fn roots<S: Copy>(subjects: &[MovingSubject<S>]) -> Result<Vec<Part<S>>, Error> {
+fn roots<S: Copy>(subjects: &[MovingSubject<S>]) -> Result<Vec<SubjectNodePair<S>>, Error> {
     let mut all = Vec::new();
     for &subject in subjects {
         push(&mut all, (subject, NodePair::default()))?;
@@ -179,17 +177,17 @@ fn roots<S: Copy>(subjects: &[MovingSubject<S>]) -> Result<Vec<Part<S>>, Error> 
     Ok(all)
 }
 
-/// Asks about some node pairs on the calling thread, depth first, for where much meets a hit is found before a front is made. The list
-/// becomes what is left.
+/// Asks about some node pairs on the calling thread, depth first, for where much meets a hit is found before a front is made. Returns what
+/// is left to ask about: nothing once `ask` breaks.
 ///
 /// # Errors
 /// Every error of `ask`, and as [`impacts`].
 fn begin<'q, N: Copy + Ord, S: Copy>(
     history: &History<N>,
-    left: &mut Vec<Part<S>>,
+    mut left: Vec<SubjectNodePair<S>>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
     ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<()>) -> Result<ControlFlow<()>, Error>,
-) -> Result<ControlFlow<()>, Error> {
+) -> Result<Vec<SubjectNodePair<S>>, Error> {
     let (flag, mut below) = (history.executor().cancel_flag(), Vec::new());
     left.reverse();
     for _ in 0..ALONE {
@@ -198,23 +196,23 @@ fn begin<'q, N: Copy + Ord, S: Copy>(
         let Some((name, tree)) = tree(subject.subject) else { continue };
         if deepen(&tree, &[n], &mut below)? {
             for &child in &below {
-                push(left, (subject, child))?;
+                push(&mut left, (subject, child))?;
             }
         } else if ask(name, &tree, n, &mut Vec::new())?.is_break() {
-            return Ok(ControlFlow::Break(()));
+            return Ok(Vec::new());
         }
     }
     left.reverse();
-    Ok(ControlFlow::Continue(()))
+    Ok(left)
 }
 
-/// Asks about parts of subjects by node pairs, at least `share` of each subject, on the threads of the executor, until `ask` breaks. It adds to a list.
+/// Asks about what is below some node pairs, at least `share` of each subject, on the threads of the executor, until `ask` breaks. It adds to a list.
 ///
 /// # Errors
-/// Every error of `ask`, and as [`impacts`].
+/// The error of `above`, every error of `ask`, and as [`impacts`]. Who has worked is noted then too.
 fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
     history: &mut History<N>,
-    parts: &[Part<S>],
+    above: Result<Vec<SubjectNodePair<S>>, Error>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
     share: usize,
     ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<R>) -> Result<ControlFlow<()>, Error> + Sync,
@@ -223,7 +221,7 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
     let (part, has_ended) = (CpuPart::new(), AtomicBool::new(false));
     let listed = {
         let flag = history.executor().cancel_flag();
-        let list = |front: &[Part<S>], out: &mut Vec<R>| {
+        let list = |front: &[SubjectNodePair<S>], out: &mut Vec<R>| {
             part.works();
             for of_one in front.chunk_by(|x, y| x.0 == y.0) {
                 let Some((name, tree)) = tree(of_one[0].0.subject) else { continue };
@@ -240,7 +238,8 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
             Ok(())
         };
         let for_threads = history.executor().pool.is_some();
-        fronts(parts, &tree, share, for_threads)
+        above
+            .and_then(|above| fronts(above, &tree, share, for_threads))
             .and_then(|front| history.by_pieces(&front, LEAST, list, out))
     };
     history.note_cpu(part.backend());
@@ -274,7 +273,7 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
     let listed = {
         let executor = history.executor();
         let flag = executor.cancel_flag();
-        let search = |front: &[Part<S>], _: &mut Vec<()>| {
+        let search = |front: &[SubjectNodePair<S>], _: &mut Vec<()>| {
             part.works();
             for of_one in front.chunk_by(|x, y| x.0 == y.0) {
                 let MovingSubject { from, subject } = of_one[0].0;
@@ -300,7 +299,7 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
         };
         let share = if is_whole(executor) { 1 } else { front_of(subjects) };
         roots(subjects)
-            .and_then(|parts| fronts(&parts, &tree, share, executor.pool.is_some()))
+            .and_then(|above| fronts(above, &tree, share, executor.pool.is_some()))
             .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
     };
     history.note_cpu(part.backend());
@@ -317,24 +316,25 @@ fn earlier<F: Named>(p: Option<(F, Impact)>, q: Option<(F, Impact)>) -> Option<(
     }
 }
 
-/// A cut of the parts of each tree, of at least `share` node pairs if they have as many, one subject after the other. For several threads, node
+/// A cut of each tree below some node pairs, of at least `share` node pairs if there are as many, one subject after the other. For several threads, node
 /// pairs that are near each other are spread over the list, so that no piece of it has all of where much meets.
 fn fronts<'q, N, S: Copy + PartialEq>(
-    parts: &[Part<S>],
+    above: Vec<SubjectNodePair<S>>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
     share: usize,
     for_threads: bool,
-) -> Result<Vec<Part<S>>, Error> {
+) -> Result<Vec<SubjectNodePair<S>>, Error> {
+    if share <= 1 {
+        return Ok(above);
+    }
     let (mut fronts, mut front, mut next) = (Vec::new(), Vec::new(), Vec::new());
-    for of_one in parts.chunk_by(|x, y| x.0 == y.0) {
+    for of_one in above.chunk_by(|x, y| x.0 == y.0) {
         let subject = of_one[0].0;
         front.clear();
         for &(_, n) in of_one {
             push(&mut front, n)?;
         }
-        if share > 1
-            && let Some((_, tree)) = tree(subject.subject)
-        {
+        if let Some((_, tree)) = tree(subject.subject) {
             while front.len() < share && deepen(&tree, &front, &mut next)? {
                 std::mem::swap(&mut front, &mut next);
             }
