@@ -68,10 +68,10 @@ fn a_certain_pair_comes_before_open_ones() {
         let triangles = (0..tiles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         Model::new(tiles.concat(), triangles).unwrap()
     };
-    let floor = soup(tiles(40, 0.0));
-    let (start, end) = (tiles(40, -1.5), tiles(40, 1.5));
+    let floor = soup(tiles(12, 0.0));
+    let (start, end) = (tiles(12, -1.5), tiles(12, 1.5));
     let rest = Motion::at_rest(&floor);
-    for certain in [None, Some(0), Some(17), Some(39)] {
+    for certain in [None, Some(0), Some(11)] {
         let (mut start, mut end) = (start.clone(), end.clone());
         if let Some(tile) = certain {
             start[tile] = start[tile].map(|[x, y, _]| [x + 1.5, y, 1.0]);
@@ -80,7 +80,7 @@ fn a_certain_pair_comes_before_open_ones() {
         let [start, end] = [soup(start), soup(end)];
         let moving = Motion::between(&start, &end).unwrap();
         let all = PairQuery::new().impacts(&rest, &moving).unwrap();
-        assert!(all.len() >= 40, "{}", all.len());
+        assert!(all.len() >= 12, "{}", all.len());
         for executor in executors() {
             let mut query = PairQuery::new().on(&executor);
             let any = query.any_impact(&rest, &moving).unwrap();

@@ -262,7 +262,7 @@ fn motions() {
     let deep = coincident(MAX_DEPTH + 1);
     let deepest = Tree::deepest(mesh(&deep));
     let trees =
-        [sheets(16), disparate(30), coincident(30)].map(|soup| (Tree::of(mesh(&soup)), soup));
+        [sheets(8), disparate(12), coincident(12)].map(|soup| (Tree::of(mesh(&soup)), soup));
     for (tree, soup) in trees.iter().map(|(tree, soup)| (tree, soup)).chain([(&deepest, &deep)]) {
         let (own, bvh) = (mesh(soup), tree.bvh(mesh(soup)));
         let in_f32 = |pose: &Pose| PosedBvh::new(bvh, pose).unwrap();
@@ -384,18 +384,20 @@ fn segments() {
         poses.extend(PosedBvh::new(bvh, &turned()));
         #[cfg(feature = "f64")]
         poses.extend(PosedBvh::in_f64(bvh, &turned().into()));
-        for (i, &from) in solid.positions.iter().enumerate() {
-            let to = solid.positions[(7 * i + 3) % solid.positions.len()].map(|x| 1.5 * x);
-            let tiny = from.map(|x| f64::from(x) + f64::from_bits(1 + i as u64));
-            for end in [from.map(f64::from), tiny] {
-                let segment = Segment::new(end, to).unwrap();
-                for posed in &poses {
-                    check("Segment", || _ = segment.visit(posed, |_| Continue(())));
-                    check("Segment", || _ = black_box(segment.first([*posed])));
-                    check("Segment", || _ = black_box(rule.inside(posed, end)));
+        check("Segment", || {
+            for (i, &from) in solid.positions.iter().enumerate() {
+                let to = solid.positions[(7 * i + 3) % solid.positions.len()].map(|x| 1.5 * x);
+                let tiny = from.map(|x| f64::from(x) + f64::from_bits(1 + i as u64));
+                for end in [from.map(f64::from), tiny] {
+                    let segment = Segment::new(end, to).unwrap();
+                    for posed in &poses {
+                        _ = segment.visit(posed, |_| Continue(()));
+                        black_box(segment.first([*posed]));
+                        black_box(rule.inside(posed, end));
+                    }
                 }
             }
-        }
+        });
     }
 }
 

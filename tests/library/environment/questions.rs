@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Triangles of a model: enough for a front, and few, since each operation on such small numbers takes long.
-const COUNT: u32 = 30;
+const COUNT: u32 = 20;
 
 /// The models that are asked about, made in the default environment, and positions that one of them is moved to.
 pub(crate) struct Subjects {
