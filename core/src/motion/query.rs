@@ -27,9 +27,31 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         work: &mut Work,
         mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.traverse(n, work, f64::INFINITY, &mut |(pair, impact)| match visit(pair, impact) {
+        self.visit_with_budget(n, work, u64::MAX, &mut visit, &mut |_| ())
+    }
+
+    /// [`MovingBvtt::visit_below`] until `work` has so many tests or a few more: node pairs that are not visited by then are passed to `leave`,
+    /// and what is below these is what is left.
+    pub fn visit_with_budget(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        budget: u64,
+        visit: &mut dyn FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+        leave: &mut dyn FnMut(NodePair),
+    ) -> ControlFlow<()> {
+        let visit: &mut Visitor<'_> = &mut |(pair, impact)| match visit(pair, impact) {
             ControlFlow::Continue(()) => ControlFlow::Continue(f64::INFINITY),
             ControlFlow::Break(()) => ControlFlow::Break(()),
+        };
+        self.traverse(MovingTraversal {
+            query: self,
+            n,
+            work,
+            limit: f64::INFINITY,
+            budget,
+            leave,
+            visit,
         })
     }
 
@@ -86,29 +108,25 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         &self,
         n: NodePair,
         work: &mut Work,
-        mut limit: f64,
+        limit: f64,
     ) -> Option<(TrianglePair, Impact)> {
-        let mut best: Option<Hit> = None;
-        let _ = self.traverse(n, work, limit, &mut |hit| {
+        let (mut best, mut at_most): (Option<Hit>, f64) = (None, limit);
+        let visit: &mut Visitor<'_> = &mut |hit| {
             let (pair, impact) = hit;
             let is_first = best.is_none_or(|best| (impact.from, pair) < (best.1.from, best.0));
-            if is_first && impact.from <= limit {
-                (best, limit) = (Some(hit), impact.from);
+            if is_first && impact.from <= at_most {
+                (best, at_most) = (Some(hit), impact.from);
             }
-            ControlFlow::Continue(limit)
-        });
+            ControlFlow::Continue(at_most)
+        };
+        let (budget, leave) = (u64::MAX, &mut |_| ());
+        let _ =
+            self.traverse(MovingTraversal { query: self, n, work, limit, budget, leave, visit });
         best
     }
 
-    /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
-    fn traverse(
-        &self,
-        n: NodePair,
-        work: &mut Work,
-        limit: f64,
-        visit: &mut Visitor<'_>,
-    ) -> ControlFlow<()> {
-        let task = MovingTraversal { query: self, n, work, limit, visit };
+    /// Visits pairs below a node pair that meet no later than the limit, or than the visitor says; nodes that overlap first come first.
+    fn traverse(&self, task: MovingTraversal<'_, '_, '_, SELF>) -> ControlFlow<()> {
         if VECTORS { widest(task) } else { task.run::<f32>() }
     }
 }
