@@ -284,7 +284,7 @@ fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Send + Sync, R: Send>(
     let by_fronts = |mut above| {
         loop {
             let front = fronts(above, &tree, least, for_threads)?;
-            history.by_pieces(&front, LEAST, &list, out)?;
+            history.by_pieces(&front, LEAST, list, out)?;
             above = take(&mut *left());
             if above.is_empty() || has_ended.load(Relaxed) {
                 return Ok(());

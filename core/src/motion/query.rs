@@ -32,6 +32,31 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
 
     /// [`MovingBvtt::visit_below`] until `work` has so many tests or a few more: node pairs that are not visited by then are passed to `leave`,
     /// and what is below these is what is left.
+    ///
+    /// # Complexity
+    /// As [`MovingBvtt::visit_below`]; at most 3 [`MAX_DEPTH`](crate::bvh::MAX_DEPTH) + 1 node pairs are left.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, motion::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// # let at = |z| PosedBvh::new(bvh, &Pose::from_translation([0.0, 0.0, z]));
+    /// # let query = PairBvtt::moving(MovingBvh::new(at(0.0)?, at(0.0)?)?, MovingBvh::new(at(1.0)?, at(-1.0)?)?);
+    /// let (mut work, mut found, mut left) = (Work::default(), 0, vec![NodePair::ROOT]);
+    /// while let Some(n) = left.pop() {
+    ///     let budget = work.tests() + 1_000;
+    ///     let mut add = |_, _| {
+    ///         found += 1;
+    ///         std::ops::ControlFlow::Continue(())
+    ///     };
+    ///     let _ = query.visit_with_budget(n, &mut work, budget, &mut add, &mut |n| left.push(n));
+    /// }
+    /// assert_eq!(found, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn visit_with_budget(
         &self,
         n: NodePair,
