@@ -45,7 +45,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
     /// # let at = |z| PosedBvh::new(bvh, &Pose::from_translation([0.0, 0.0, z]));
     /// # let query = PairBvtt::moving(MovingBvh::new(at(0.0)?, at(0.0)?)?, MovingBvh::new(at(1.0)?, at(-1.0)?)?);
-    /// let (mut work, mut found, mut left) = (Work::default(), 0, vec![NodePair::ROOT]);
+    /// let (mut work, mut found, mut left) = (Work::default(), 0, Vec::from_iter(query.root()));
     /// while let Some(n) = left.pop() {
     ///     let budget = work.tests() + 1_000;
     ///     let mut add = |_, _| {
