@@ -1,7 +1,7 @@
 //! Steps of a motion: a cloth that falls on a ball, and 12 steps of a garment, of the recorded data.
 //!
-//! `cargo bench --bench motion [-- ROUNDS]`, with the data in `$PFRONT_DATA` or `../shared/data`: the best times of some rounds on one
-//! thread and on all, beside the static query about the same positions, and tests as multiples of those of the same traversal at rest.
+//! `cargo bench --bench motion [-- ROUNDS [THREADS]]`, with the data in `$PFRONT_DATA` or `../shared/data`: the best times of some rounds on
+//! one thread and on some or all, beside the static query about the same positions, and tests as multiples of those of the same traversal at rest.
 
 #![expect(clippy::unwrap_used, reason = "a bench fails by panicking")]
 
@@ -11,10 +11,13 @@ use pfront_core::bvtt::{PosedBvh, SelfBvtt, Work};
 use pfront_core::motion::MovingBvh;
 use pfront_testkit::{checksum, data_folder};
 use std::ops::ControlFlow;
+use std::thread::available_parallelism;
 use std::time::Instant;
 
 fn main() {
-    let rounds = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(5);
+    let mut numbers = std::env::args().filter_map(|arg| arg.parse().ok());
+    let rounds = numbers.next().unwrap_or(5);
+    let threads = numbers.next().unwrap_or_else(|| available_parallelism().unwrap().get());
     let data = data_folder();
     if !data.join("cloth").exists() {
         println!("no recorded cloth in {}", data.display());
@@ -25,7 +28,7 @@ fn main() {
         Model::new(mesh.positions, mesh.triangles).unwrap()
     };
     let ball = [92, 93].map(|frame| model(&format!("cloth_ball/cloth_ball{frame}.ply")));
-    time("ball", &[ball], rounds);
+    time("ball", &[ball], rounds, threads);
     let garment = model("kick/kick_frame000.ply");
     let bytes = std::fs::read(data.join("cloth/kick/kick_positions_121x12811x3.f32le")).unwrap();
     let (words, _) = bytes.as_chunks::<4>();
@@ -37,11 +40,11 @@ fn main() {
         model
     };
     let steps: Vec<_> = (0..12).map(|step| [frame(10 * step), frame(10 * step + 1)]).collect();
-    time("kick", &steps, rounds);
+    time("kick", &steps, rounds, threads);
 }
 
 /// Prints how long a step takes in the mean.
-fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
+fn time(name: &str, steps: &[[Model; 2]], rounds: usize, threads: usize) {
     let motions: Vec<_> = steps.iter().map(|[p, q]| Motion::between(p, q).unwrap()).collect();
     let best = |of: &mut dyn FnMut()| {
         let mut once = || {
@@ -56,8 +59,7 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize) {
     let one = best(&mut || {
         found = motions.iter().map(|motion| query.impacts(motion).unwrap()).collect();
     });
-    let threads = std::thread::available_parallelism().unwrap();
-    let mut query = SelfQuery::new().on(&Executor::threads(threads.get()));
+    let mut query = SelfQuery::new().on(&Executor::threads(threads));
     let all = best(&mut || {
         for (motion, found) in motions.iter().zip(&found) {
             assert!(query.impacts(motion).unwrap() == *found);

@@ -183,7 +183,7 @@ fn all(
 ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
     let mut all = Vec::new();
     impacts::impacts(history, subject(&tree).as_slice(), |()| Some(((), tree)), &mut all)?;
-    all.sort_unstable_by_key(|hit| hit.0);
+    history.sort(&mut all, |hit| hit.0);
     Ok(all)
 }
 

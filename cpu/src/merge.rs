@@ -5,12 +5,9 @@
 
 use crate::memory::{reserve, resize};
 use crate::output::{Item, Output, OutputBuffer};
-use crate::sort::sort;
+use crate::sort::{SORTED_ALONE, sort};
 use crate::{MemoryError, Pool};
 use std::mem::take;
-
-/// Elements that one thread sorts in the time that it takes to call others three times, some 40 us.
-const SORTED_ALONE: usize = 4096;
 
 /// The fewest elements of a range, which take about as long to merge as it takes to call another thread that is awake.
 const RANGE: usize = 512;

@@ -1,8 +1,10 @@
 //! Workers and the threads that they run on: what frames share and none of them changes.
 
 use crate::memory::reserve;
+use crate::sort::SORTED_ALONE;
 use crate::{MemoryError, Settings};
 use pfront_core::environment::{Environment, with_default};
+use rayon::slice::ParallelSliceMut;
 use rayon::{Scope, ThreadPool};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -229,6 +231,21 @@ impl Pool {
         reserve(out, sizes.sum())?;
         pieces.iter_mut().for_each(|(_, own, _)| out.append(own));
         Ok(())
+    }
+
+    /// Sorts a list, equal items in any order, by keys that compare in every floating-point environment as integers do, on all threads if it is long enough for that.
+    ///
+    /// # Examples
+    /// ```
+    /// let mut items: Vec<u32> = (0..10_000).rev().collect();
+    /// pfront_cpu::Pool::new(2).sort(&mut items, |item| *item);
+    /// assert!(items.is_sorted());
+    /// ```
+    pub fn sort<T: Send, K: Ord>(&self, items: &mut [T], key: impl Fn(&T) -> K + Sync + Send) {
+        if items.len() < SORTED_ALONE {
+            return items.sort_unstable_by_key(key);
+        }
+        self.install(|| items.par_sort_unstable_by_key(key));
     }
 
     /// The number of threads of the rayon pool.

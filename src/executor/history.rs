@@ -153,6 +153,18 @@ impl<N: Copy + Ord> History<N> {
         list(items, out)
     }
 
+    /// Sorts a list by integers, on the threads of the executor if it is long.
+    pub(crate) fn sort<T: Send, K: Ord>(
+        &self,
+        items: &mut [T],
+        key: impl Fn(&T) -> K + Sync + Send,
+    ) {
+        match &self.executor.pool {
+            Some(pool) => pool.sort(items, key),
+            None => items.sort_unstable_by_key(key),
+        }
+    }
+
     /// The smallest distance of two meshes, which the CPU finds. Takes note of who has.
     pub(crate) fn distance(
         &mut self,

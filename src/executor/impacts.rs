@@ -5,6 +5,7 @@ use crate::memory::push;
 use crate::{Error, Impact, TrianglePair};
 use pfront_core::bvtt::{AnyBvtt, Cursor, NodePair, Query, Work};
 use pfront_core::motion::MovingBvtt;
+use std::mem::take;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
@@ -36,15 +37,18 @@ impl AnyMovingBvtt<'_> {
         }
     }
 
+    /// Visits what is below a node pair with a budget, which what rests needs none of.
     fn visit_below(
         &self,
         n: NodePair,
-        mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+        budget: u64,
+        visit: &mut dyn FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+        leave: &mut dyn FnMut(NodePair),
     ) {
         let work = &mut Work::default();
         let _ = match self {
-            Self::Pair(tree) => tree.visit_below(n, work, visit),
-            Self::Itself(tree) => tree.visit_below(n, work, visit),
+            Self::Pair(tree) => tree.visit_with_budget(n, work, budget, visit, leave),
+            Self::Itself(tree) => tree.visit_with_budget(n, work, budget, visit, leave),
             Self::Still(tree) => tree.visit(&mut Cursor::at(n), |pair| visit(pair, AT_START)),
         };
     }
@@ -69,14 +73,42 @@ impl AnyMovingBvtt<'_> {
 /// The impact of what intersects from the start on.
 pub(crate) const AT_START: Impact = Impact { from: 0.0, to: 0.0 };
 
-/// Node pairs of all fronts: enough for every thread, and each below a millisecond of work even where meshes are large.
+/// Node pairs of all fronts: enough for every thread.
 const FRONT: usize = 4096;
+
+/// Tests below a node pair of a front, some 200 us to a millisecond, after which several threads make a front of what is left: where much meets,
+/// one node pair in thousands has a tenth of all work.
+const BUDGET: u64 = 4096;
 
 /// Node pairs that are worth a call of another thread.
 const LEAST: usize = 16;
 
 /// Node pairs that one thread looks at before it divides what may end early: a walk down two trees of a million triangles takes half of them.
 const ALONE: usize = 64;
+
+/// A node pair below which a tree is visited.
+struct Below<'t, 'q> {
+    tree: &'t AnyMovingBvtt<'q>,
+    n: NodePair,
+    budget: u64,
+    /// Node pairs that the budget has left.
+    left: Vec<NodePair>,
+}
+
+impl Below<'_, '_> {
+    fn visit(
+        &mut self,
+        mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+    ) -> Result<(), Error> {
+        let mut pushed = Ok(());
+        self.tree.visit_below(self.n, self.budget, &mut visit, &mut |n| {
+            if pushed.is_ok() {
+                pushed = push(&mut self.left, n);
+            }
+        });
+        pushed
+    }
+}
 
 /// A subject that is asked about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,45 +122,45 @@ pub(crate) struct MovingSubject<S> {
 ///
 /// # Errors
 /// [`Error::Cancelled`], [`Error::Memory`], or [`Error::Panicked`] for a thread of a pool.
-pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Sync>(
+pub(crate) fn impacts<'q, F: Named, S: Copy + PartialEq + Send + Sync>(
     history: &mut History<F::Name>,
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
     all: &mut Vec<(F, Impact)>,
 ) -> Result<(), Error> {
-    let list = |name, tree: &AnyMovingBvtt<'_>, n, out: &mut Vec<(F, Impact)>| {
+    let list = |name, below: &mut Below<'_, '_>, out: &mut Vec<(F, Impact)>| {
         let mut pushed = Ok(());
-        tree.visit_below(n, |pair, impact| {
+        below.visit(|pair, impact| {
             pushed = push(out, (F::new(name, pair), impact));
             if pushed.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        });
+        })?;
         pushed.map(ControlFlow::Continue)
     };
-    by_node_pairs(history, roots(subjects), tree, front_of(subjects), list, all)
+    by_node_pairs(history, roots(subjects), tree, FRONT, list, all)
 }
 
 /// How many pairs certainly meet, and how many do or are open.
 ///
 /// # Errors
 /// As [`impacts`].
-pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Sync>(
+pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Send + Sync>(
     history: &mut History<N>,
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
 ) -> Result<[u64; 2], Error> {
     let counts = [AtomicU64::new(0), AtomicU64::new(0)];
-    let add = |_, tree: &AnyMovingBvtt<'_>, n, _: &mut Vec<()>| {
+    let add = |_, below: &mut Below<'_, '_>, _: &mut Vec<()>| {
         let (mut proven, mut all) = (0, 0);
-        tree.visit_below(n, |_, impact| {
+        below.visit(|_, impact| {
             proven += u64::from(impact.is_proven());
             all += 1;
             ControlFlow::Continue(())
-        });
+        })?;
         counts[0].fetch_add(proven, Relaxed);
         counts[1].fetch_add(all, Relaxed);
         Ok(ControlFlow::Continue(()))
     };
-    by_node_pairs(history, roots(subjects), tree, front_of(subjects), add, &mut Vec::new())?;
+    by_node_pairs(history, roots(subjects), tree, FRONT, add, &mut Vec::new())?;
     Ok(counts.map(AtomicU64::into_inner))
 }
 
@@ -136,15 +168,15 @@ pub(crate) fn count<'q, N: Copy + Ord, S: Copy + PartialEq + Sync>(
 ///
 /// # Errors
 /// As [`impacts`].
-pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
+pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Send + Sync>(
     history: &mut History<F::Name>,
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
 ) -> Result<Option<(F, Impact)>, Error> {
     let found = Mutex::new(None);
-    let search = |name, tree: &AnyMovingBvtt<'_>, n, _: &mut Vec<()>| {
+    let search = |name, below: &mut Below<'_, '_>, _: &mut Vec<()>| {
         let mut end = ControlFlow::Continue(());
-        tree.visit_below(n, |pair, impact| {
+        below.visit(|pair, impact| {
             let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
             if impact.is_proven() {
                 end = ControlFlow::Break(());
@@ -153,15 +185,15 @@ pub(crate) fn any_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
                 *found = Some((F::new(name, pair), impact));
             }
             end
-        });
+        })?;
         Ok(end)
     };
-    let (mut above, mut share) = (roots(subjects), 1);
+    let (mut above, mut least) = (roots(subjects), 1);
     if !is_whole(history.executor()) {
         above = above.and_then(|above| begin(history, above, &tree, search));
-        share = front_of(subjects);
+        least = FRONT;
     }
-    by_node_pairs(history, above, tree, share, search, &mut Vec::new())?;
+    by_node_pairs(history, above, tree, least, search, &mut Vec::new())?;
     Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
@@ -186,19 +218,22 @@ fn begin<'q, N: Copy + Ord, S: Copy>(
     history: &History<N>,
     mut left: Vec<SubjectNodePair<S>>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
-    ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<()>) -> Result<ControlFlow<()>, Error>,
+    ask: impl Fn(N, &mut Below<'_, 'q>, &mut Vec<()>) -> Result<ControlFlow<()>, Error>,
 ) -> Result<Vec<SubjectNodePair<S>>, Error> {
-    let (flag, mut below) = (history.executor().cancel_flag(), Vec::new());
+    let (flag, mut children) = (history.executor().cancel_flag(), Vec::new());
     left.reverse();
     for _ in 0..ALONE {
         check(flag)?;
         let Some((subject, n)) = left.pop() else { break };
         let Some((name, tree)) = tree(subject.subject) else { continue };
-        if deepen(&tree, &[n], &mut below)? {
-            for &child in &below {
+        if deepen(&tree, &[n], &mut children)? {
+            for &child in &children {
                 push(&mut left, (subject, child))?;
             }
-        } else if ask(name, &tree, n, &mut Vec::new())?.is_break() {
+            continue;
+        }
+        let below = &mut Below { tree: &tree, n, budget: u64::MAX, left: Vec::new() };
+        if ask(name, below, &mut Vec::new())?.is_break() {
             return Ok(Vec::new());
         }
     }
@@ -206,49 +241,59 @@ fn begin<'q, N: Copy + Ord, S: Copy>(
     Ok(left)
 }
 
-/// Asks about what is below some node pairs, at least `share` of each subject, on the threads of the executor, until `ask` breaks. It adds to a list.
+/// Asks about what is below some node pairs on the threads of the executor, until `ask` breaks, and adds to a list. Several threads make a front
+/// of at least so many of them, if there are, and then of what the budget has left of each.
 ///
 /// # Errors
 /// The error of `above`, every error of `ask`, and as [`impacts`]. Who has worked is noted then too.
-fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Sync, R: Send>(
+fn by_node_pairs<'q, N: Copy + Ord, S: Copy + PartialEq + Send + Sync, R: Send>(
     history: &mut History<N>,
     above: Result<Vec<SubjectNodePair<S>>, Error>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)> + Sync,
-    share: usize,
-    ask: impl Fn(N, &AnyMovingBvtt<'q>, NodePair, &mut Vec<R>) -> Result<ControlFlow<()>, Error> + Sync,
+    least: usize,
+    ask: impl Fn(N, &mut Below<'_, 'q>, &mut Vec<R>) -> Result<ControlFlow<()>, Error> + Sync,
     out: &mut Vec<R>,
 ) -> Result<(), Error> {
-    let (part, has_ended) = (CpuPart::new(), AtomicBool::new(false));
-    let listed = {
-        let flag = history.executor().cancel_flag();
-        let list = |front: &[SubjectNodePair<S>], out: &mut Vec<R>| {
-            part.works();
-            for of_one in front.chunk_by(|x, y| x.0 == y.0) {
-                let Some((name, tree)) = tree(of_one[0].0.subject) else { continue };
-                for &(_, n) in of_one {
-                    check(flag)?;
-                    if has_ended.load(Relaxed) {
-                        return Ok(());
-                    }
-                    if ask(name, &tree, n, out)?.is_break() {
-                        has_ended.store(true, Relaxed);
-                    }
+    let (part, has_ended, left) = (CpuPart::new(), AtomicBool::new(false), Mutex::new(Vec::new()));
+    let left = || left.lock().unwrap_or_else(PoisonError::into_inner);
+    let flag = history.executor().cancel_flag();
+    let for_threads = history.executor().pool.is_some();
+    let budget = if for_threads { BUDGET } else { u64::MAX };
+    let list = |front: &[SubjectNodePair<S>], out: &mut Vec<R>| {
+        part.works();
+        for of_one in front.chunk_by(|x, y| x.0 == y.0) {
+            let subject = of_one[0].0;
+            let Some((name, tree)) = tree(subject.subject) else { continue };
+            for &(_, n) in of_one {
+                check(flag)?;
+                if has_ended.load(Relaxed) {
+                    return Ok(());
+                }
+                let mut below = Below { tree: &tree, n, budget, left: Vec::new() };
+                if ask(name, &mut below, out)?.is_break() {
+                    has_ended.store(true, Relaxed);
+                }
+                if !below.left.is_empty() {
+                    let mut left = left();
+                    below.left.drain(..).try_for_each(|n| push(&mut left, (subject, n)))?;
                 }
             }
-            Ok(())
-        };
-        let for_threads = history.executor().pool.is_some();
-        above
-            .and_then(|above| fronts(above, &tree, share, for_threads))
-            .and_then(|front| history.by_pieces(&front, LEAST, list, out))
+        }
+        Ok(())
     };
+    let by_fronts = |mut above| {
+        loop {
+            let front = fronts(above, &tree, least, for_threads)?;
+            history.by_pieces(&front, LEAST, list, out)?;
+            above = take(&mut *left());
+            if above.is_empty() || has_ended.load(Relaxed) {
+                return Ok(());
+            }
+        }
+    };
+    let listed = above.and_then(by_fronts);
     history.note_cpu(part.backend());
     listed
-}
-
-/// Node pairs of the front of each subject.
-fn front_of<S>(subjects: &[MovingSubject<S>]) -> usize {
-    FRONT / subjects.len().max(1)
 }
 
 /// Whether one thread answers that nothing interrupts: it divides nothing if it may stop early.
@@ -261,7 +306,7 @@ fn is_whole(executor: &Executor) -> bool {
 ///
 /// # Errors
 /// As [`impacts`].
-pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
+pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Send + Sync>(
     history: &mut History<F::Name>,
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,
@@ -297,9 +342,9 @@ pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
             }
             Ok(())
         };
-        let share = if is_whole(executor) { 1 } else { front_of(subjects) };
+        let least = if is_whole(executor) { 1 } else { FRONT };
         roots(subjects)
-            .and_then(|above| fronts(above, &tree, share, executor.pool.is_some()))
+            .and_then(|above| fronts(above, &tree, least, executor.pool.is_some()))
             .and_then(|front| history.by_pieces(&front, LEAST, search, &mut Vec::new()))
     };
     history.note_cpu(part.backend());
@@ -316,14 +361,15 @@ fn earlier<F: Named>(p: Option<(F, Impact)>, q: Option<(F, Impact)>) -> Option<(
     }
 }
 
-/// A cut of each tree below some node pairs, of at least `share` node pairs if there are as many, one subject after the other. For several threads, node
+/// A cut of the trees below some node pairs, of at least so many node pairs if there are, one subject after the other. For several threads, node
 /// pairs that are near each other are spread over the list, so that no piece of it has all of where much meets.
 fn fronts<'q, N, S: Copy + PartialEq>(
     above: Vec<SubjectNodePair<S>>,
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
-    share: usize,
+    least: usize,
     for_threads: bool,
 ) -> Result<Vec<SubjectNodePair<S>>, Error> {
+    let share = least / above.chunk_by(|x, y| x.0 == y.0).count().max(1);
     if share <= 1 {
         return Ok(above);
     }

@@ -38,6 +38,10 @@ impl NoPool {
     ) -> Result<(), Error> {
         match *self {}
     }
+
+    pub(crate) fn sort<T, K>(&self, _: &mut [T], _: impl Fn(&T) -> K) {
+        match *self {}
+    }
 }
 
 pub(crate) fn wait_in_pool(most: Duration) -> Option<Duration> {

@@ -64,7 +64,7 @@ impl SceneQuery {
                 push(&mut all, (hit, AT_START))?;
             }
             impacts::impacts(history, &subjects, |two| scene.tree(two), &mut all)?;
-            all.sort_unstable_by_key(|hit| hit.0);
+            history.sort(&mut all, |hit| hit.0);
             Ok(all)
         })
     }

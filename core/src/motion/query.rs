@@ -27,9 +27,56 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         work: &mut Work,
         mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.traverse(n, work, f64::INFINITY, &mut |(pair, impact)| match visit(pair, impact) {
+        self.visit_with_budget(n, work, u64::MAX, &mut visit, &mut |_| ())
+    }
+
+    /// [`MovingBvtt::visit_below`] until `work` has so many tests or a few more: node pairs that are not visited by then are passed to `leave`,
+    /// and what is below these is what is left.
+    ///
+    /// # Complexity
+    /// As [`MovingBvtt::visit_below`]; at most 3 [`MAX_DEPTH`](crate::bvh::MAX_DEPTH) + 1 node pairs are left.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront_core::{bvtt::*, motion::*, *};
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// # let mesh = Mesh::new(&points, &[[0, 1, 2]])?;
+    /// # let root = [Node { min: [0.0; 3], first: 0, max: [1.0, 1.0, 0.0], count: 1 }];
+    /// # let bvh = Bvh::new_unchecked(mesh, &root, &[0]);
+    /// # let at = |z| PosedBvh::new(bvh, &Pose::from_translation([0.0, 0.0, z]));
+    /// # let query = PairBvtt::moving(MovingBvh::new(at(0.0)?, at(0.0)?)?, MovingBvh::new(at(1.0)?, at(-1.0)?)?);
+    /// let (mut work, mut found, mut left) = (Work::default(), 0, Vec::from_iter(query.root()));
+    /// while let Some(n) = left.pop() {
+    ///     let budget = work.tests() + 1_000;
+    ///     let mut add = |_, _| {
+    ///         found += 1;
+    ///         std::ops::ControlFlow::Continue(())
+    ///     };
+    ///     let _ = query.visit_with_budget(n, &mut work, budget, &mut add, &mut |n| left.push(n));
+    /// }
+    /// assert_eq!(found, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn visit_with_budget(
+        &self,
+        n: NodePair,
+        work: &mut Work,
+        budget: u64,
+        visit: &mut dyn FnMut(TrianglePair, Impact) -> ControlFlow<()>,
+        leave: &mut dyn FnMut(NodePair),
+    ) -> ControlFlow<()> {
+        let visit: &mut Visitor<'_> = &mut |(pair, impact)| match visit(pair, impact) {
             ControlFlow::Continue(()) => ControlFlow::Continue(f64::INFINITY),
             ControlFlow::Break(()) => ControlFlow::Break(()),
+        };
+        self.traverse(MovingTraversal {
+            query: self,
+            n,
+            work,
+            limit: f64::INFINITY,
+            budget,
+            leave,
+            visit,
         })
     }
 
@@ -86,29 +133,25 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         &self,
         n: NodePair,
         work: &mut Work,
-        mut limit: f64,
+        limit: f64,
     ) -> Option<(TrianglePair, Impact)> {
-        let mut best: Option<Hit> = None;
-        let _ = self.traverse(n, work, limit, &mut |hit| {
+        let (mut best, mut at_most): (Option<Hit>, f64) = (None, limit);
+        let visit: &mut Visitor<'_> = &mut |hit| {
             let (pair, impact) = hit;
             let is_first = best.is_none_or(|best| (impact.from, pair) < (best.1.from, best.0));
-            if is_first && impact.from <= limit {
-                (best, limit) = (Some(hit), impact.from);
+            if is_first && impact.from <= at_most {
+                (best, at_most) = (Some(hit), impact.from);
             }
-            ControlFlow::Continue(limit)
-        });
+            ControlFlow::Continue(at_most)
+        };
+        let (budget, leave) = (u64::MAX, &mut |_| ());
+        let _ =
+            self.traverse(MovingTraversal { query: self, n, work, limit, budget, leave, visit });
         best
     }
 
-    /// Visits pairs below a node pair that meet no later than `limit`, or than the visitor says; nodes that overlap first come first.
-    fn traverse(
-        &self,
-        n: NodePair,
-        work: &mut Work,
-        limit: f64,
-        visit: &mut Visitor<'_>,
-    ) -> ControlFlow<()> {
-        let task = MovingTraversal { query: self, n, work, limit, visit };
+    /// Visits pairs below a node pair that meet no later than the limit, or than the visitor says; nodes that overlap first come first.
+    fn traverse(&self, task: MovingTraversal<'_, '_, '_, SELF>) -> ControlFlow<()> {
         if VECTORS { widest(task) } else { task.run::<f32>() }
     }
 }

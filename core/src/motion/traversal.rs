@@ -20,6 +20,9 @@ pub(super) struct MovingTraversal<'t, 'v, 'a, const SELF: bool> {
     pub(super) n: NodePair,
     pub(super) work: &'t mut Work,
     pub(super) limit: f64,
+    /// The tests from which on node pairs are left.
+    pub(super) budget: u64,
+    pub(super) leave: &'t mut dyn FnMut(NodePair),
     pub(super) visit: &'t mut Visitor<'v>,
 }
 
@@ -35,6 +38,10 @@ impl<const SELF: bool> Task for MovingTraversal<'_, '_, '_, SELF> {
             len -= 1;
             let (n, time) = stack[len];
             if time - ROUNDED > self.limit {
+                continue;
+            }
+            if self.work.tests() >= self.budget {
+                (self.leave)(n);
                 continue;
             }
             let first = len;

@@ -142,6 +142,17 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
             ControlFlow::Continue(())
         });
     }
+    // With a budget, and then from what that has left.
+    let (mut within_budget, mut left) = (Vec::new(), Vec::from_iter(query.root()));
+    while let Some(n) = left.pop() {
+        let (mut visited, mut add) = (Work::default(), |pair, impact| {
+            within_budget.push((pair, impact));
+            ControlFlow::Continue(())
+        });
+        let _ = query.visit_with_budget(n, &mut visited, 9, &mut add, &mut |n| left.push(n));
+    }
+    within_budget.sort_by_key(|hit| hit.0);
+    assert_eq!(within_budget, every);
     parts.sort_by_key(|hit| hit.0);
     assert_eq!(parts, every);
     assert_eq!(best.as_ref(), first);
