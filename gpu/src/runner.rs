@@ -154,11 +154,12 @@ impl Runner {
         Ok(Asked { may_repeat, ..asked })
     }
 
-    /// Records the commands of a question again while it is on the device.
+    /// Records the commands of a question again while it is on the device, and those of the refits before it.
     fn record_ahead(&mut self, asked: &Asked, verb: GpuVerb) -> Result<(), GpuError> {
         if !asked.may_repeat || self.engine.read_back.is_done(&asked.run)? {
             return Ok(());
         }
+        self.engine.refits.iter().flatten().for_each(|refit| refit.record_ahead());
         // Times are those of the last run that was recorded.
         if self.ahead.is_some() || self.engine.clock.is_some() {
             return Ok(());
