@@ -1,4 +1,4 @@
-//! What moves the vertices of a mesh on the device and fits the boxes of its tree.
+//! A refit: positions of a mesh that moves are brought to the device, and the boxes of its tree fitted to them.
 //!
 //! Its commands do not depend on positions. So those of the next refit are recorded where the host would only wait: while the device
 //! works on a question that was asked after this one.
@@ -29,7 +29,7 @@ pub(crate) enum Origin {
     Device(Buffer),
 }
 
-/// What the next time needs.
+/// The memory and the commands of the next time.
 #[derive(Debug, Default)]
 pub(crate) struct Next {
     pub(crate) staging: Staging,
