@@ -36,13 +36,8 @@ pub(crate) struct Next {
     ahead: Option<Recorded>,
 }
 
-/// Commands that have not been submitted.
-#[derive(Debug)]
-pub(crate) struct Recorded {
-    pub(crate) commands: CommandBuffer,
-    /// A mapped buffer for positions from the host.
-    pub(crate) source: Option<Buffer>,
-}
+/// Commands that have not been submitted, with a mapped buffer for positions from the host.
+pub(crate) type Recorded = (CommandBuffer, Option<Buffer>);
 
 impl Refit {
     pub(crate) fn new(gpu: &Gpu, origin: Origin, sequences: Vec<Arc<Sequence>>) -> Arc<Self> {
@@ -92,7 +87,7 @@ impl Refit {
         };
         let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
         self.record(&mut encoder, source.as_ref(), None);
-        Ok(Recorded { commands: encoder.finish(), source })
+        Ok((encoder.finish(), source))
     }
 
     /// Submits commands, and has what they copy from mapped again.

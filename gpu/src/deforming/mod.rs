@@ -7,7 +7,7 @@ use crate::build::{Built, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::model::Outside;
-use crate::refit::{Origin, Recorded, Refit};
+use crate::refit::{Origin, Refit};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::source::Source;
@@ -174,7 +174,7 @@ impl Deforming {
         self.check_count(positions)?;
         self.gpu.clone().checked(|| {
             let refit = self.refit.clone();
-            let Recorded { commands, source } = refit.take()?;
+            let (commands, source) = refit.take()?;
             if let Some(source) = source {
                 self.write(source, positions)?;
             }
@@ -218,7 +218,7 @@ impl Deforming {
         self.gpu.clone().checked(|| {
             let refit = self.refit_from(vertices)?;
             self.model.refit = Some(refit.clone());
-            refit.submit(refit.take()?.commands)
+            refit.submit(refit.take()?.0)
         })
     }
 

@@ -5,26 +5,23 @@
 //! only what has to be tested depends on it. A pose that cannot be inverted well enough leaves the world to compare in.
 
 use crate::layout::InstancePair;
-use glam::{DMat3, Mat3A, Vec3A};
+use glam::{DMat3, DVec3};
 use pfront_core::{Aabb, Pose};
 use pfront_shaders::constants::PADDING;
 
-/// The error of a posed coordinate, and of the f32 roundings after it, relative to its reach: 24 units.
-const ROUNDING: f32 = 24.0 / (1 << 24) as f32;
-
-/// Bounds are sums of positive numbers, which f32 rounds by less.
-const SUMMED: f32 = 1.0 + ROUNDING;
+/// The error of rounding a posed coordinate relative to its reach, and of f64 roundings after it: 16 units.
+const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
 
 /// A body with what its pairs ask of its pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub(super) pose: Pose,
-    matrix: Mat3A,
-    translation: Vec3A,
+    matrix: DMat3,
+    translation: DVec3,
     /// The largest coordinates of the mesh.
-    far: Vec3A,
+    far: DVec3,
     /// The farthest that posed corners get from the origin.
-    reach: Vec3A,
+    reach: DVec3,
     /// The padding of boxes that are posed into the world.
     world_padding: [f32; 3],
 }
@@ -32,77 +29,63 @@ pub(super) struct Placed {
 /// The way back from the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inverse {
-    matrix: Mat3A,
-    magnitudes: Mat3A,
-    /// A bound on the error of each entry in f64, before f32 rounds it.
-    error: f32,
+    matrix: DMat3,
+    /// A bound on the error of each entry.
+    error: f64,
 }
 
 impl Placed {
     pub(super) fn new(pose: &Pose, bounds: &Aabb) -> Self {
-        let rows = pose.rows.map(|[x, y, z, _]| [x, y, z]);
-        let matrix = Mat3A::from_cols_array_2d(&rows).transpose();
-        let translation = Vec3A::from_array(pose.rows.map(|[.., translation]| translation));
-        let corner = |corner: [f32; 3]| Vec3A::from_array(corner).abs();
+        let rows = pose.rows.map(|row| row.map(f64::from));
+        let matrix = DMat3::from_cols_array_2d(&rows.map(|[x, y, z, _]| [x, y, z])).transpose();
+        let translation = DVec3::from_array(rows.map(|[.., translation]| translation));
+        let corner = |corner: [f32; 3]| DVec3::from_array(corner.map(f64::from)).abs();
         let far = corner(bounds.min).max(corner(bounds.max));
         let reach = magnitudes(matrix) * far + translation.abs();
-        let world_padding = padding(far, translation, Vec3A::ZERO);
+        let world_padding = padding(far, translation, DVec3::ZERO);
         Self { pose: *pose, matrix, translation, far, reach, world_padding }
     }
 
-    /// `None` if the pose flattens or stretches too much, or f32 may not hold what follows from it.
+    /// `None` if the pose flattens or stretches too much.
     pub(super) fn inverse(&self) -> Option<Inverse> {
-        const LIMIT: f64 = (1_u128 << 80) as f64;
-        let (matrix, error) = self.inverse_in_f64()?;
-        let most = largest(matrix);
-        let matrix = Mat3A::from(matrix.as_mat3());
-        let error = error as f32 * SUMMED;
-        let is_held = (1.0 / LIMIT..=LIMIT).contains(&most);
-        is_held.then(|| Inverse { matrix, magnitudes: magnitudes(matrix), error })
-    }
-
-    /// The inverse, and a bound on the error of each entry.
-    fn inverse_in_f64(&self) -> Option<(DMat3, f64)> {
         const LIMIT: f64 = (1 << 20) as f64;
-        let own = self.matrix.as_dmat3();
-        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = own.transpose();
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.matrix.transpose();
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let determinant = x.dot(cofactors.x_axis);
         // Cofactors and determinant are off by some 2^-51 of size^2 and 2^-49 of size^3.
-        let stretch = largest(own).powi(3) / determinant.abs();
+        let stretch = largest(self.matrix).powi(3) / determinant.abs();
         let matrix = cofactors / determinant;
         let error = stretch * largest(matrix) * f64::exp2(-44.0);
-        (stretch <= LIMIT && error.is_finite()).then_some((matrix, error))
+        (stretch <= LIMIT && error.is_finite()).then_some(Inverse { matrix, error })
     }
 }
 
-fn magnitudes(matrix: Mat3A) -> Mat3A {
-    Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
+fn magnitudes(matrix: DMat3) -> DMat3 {
+    DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }
 
 /// The largest magnitude of an entry.
 fn largest(matrix: DMat3) -> f64 {
-    let DMat3 { x_axis, y_axis, z_axis } = matrix;
-    x_axis.abs().max(y_axis.abs()).max(z_axis.abs()).max_element()
+    let DMat3 { x_axis, y_axis, z_axis } = magnitudes(matrix);
+    x_axis.max(y_axis).max(z_axis).max_element()
 }
 
 /// The padding of boxes of a mesh with coordinates up to `far` under a pose with this translation, beside the shaders'
 /// [`PADDING`] of the magnitudes that it turns: the same of the translation, what an adapter may flush of it, of entries of the
 /// matrix and of the results, and `more`.
-fn padding(far: Vec3A, translation: Vec3A, more: Vec3A) -> [f32; 3] {
+fn padding(far: DVec3, translation: DVec3, more: DVec3) -> [f32; 3] {
     // 2^-122, and 2^-123 for each unit of the coordinates.
-    const FLUSHED: f32 = 16.0 * f32::MIN_POSITIVE;
-    let [x, y, z] = (far * (FLUSHED / 2.0)).to_array();
-    let flushed = Vec3A::splat(FLUSHED + x + y + z);
-    ((translation.abs() * PADDING + flushed + more) * SUMMED).to_array()
+    const FLUSHED: f64 = 16.0 * f32::MIN_POSITIVE as f64;
+    let flushed = FLUSHED + FLUSHED / 2.0 * far.element_sum();
+    let padding = translation.abs() * f64::from(PADDING) + DVec3::splat(flushed) + more;
+    (padding * (1.0 + ROUNDING)).to_array().map(|x| x as f32)
 }
 
 /// The poses of a pair and how its boxes are compared; the rest of the row is zero.
 ///
 /// A point common to both bodies as they are posed in f32 is A(x) + d = B(y) + e for points x and y of the boxes, with d
-/// and e at most 6 units of the reaches, and what underflows. So x = A⁻¹(B(y)) + A⁻¹(e − d). To find A⁻¹·B, f32 rounds A⁻¹ by one
-/// unit, each sum of three products by three, and the difference of translations, which no reach is below, by one: by six units of
-/// |A⁻¹| times both reaches. So a box of it, padded by twice as much as all of this and by what A⁻¹ is off by, contains x.
+/// and e at most 6 units of the reaches, and what underflows. So x = A⁻¹(B(y)) + A⁻¹(e − d): a box of A⁻¹·B,
+/// padded by |A⁻¹| times 16 units of both reaches and by what A⁻¹ is off by, contains x.
 pub(super) fn place(a: &Placed, inverse: Option<&Inverse>, b: &Placed) -> InstancePair {
     let poses = [a.pose.rows, b.pose.rows];
     let seen = inverse.and_then(|inverse| seen_from(a, inverse, b));
@@ -115,20 +98,24 @@ pub(super) fn place(a: &Placed, inverse: Option<&Inverse>, b: &Placed) -> Instan
 
 /// The second body seen from the first; `None` where f32 could not hold it.
 fn seen_from(a: &Placed, inverse: &Inverse, b: &Placed) -> Option<([[f32; 4]; 3], [f32; 3])> {
-    const LIMIT: Vec3A = Vec3A::splat(1e30);
+    const LIMIT: DVec3 = DVec3::splat(1e30);
     // 2^-145: some operations on numbers that may be subnormal.
-    const UNDERFLOW: f32 = f32::MIN_POSITIVE / (1 << 19) as f32;
+    const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64 / (1 << 19) as f64;
     let reach = a.reach + b.reach;
+    let off = inverse.error * reach.element_sum();
     let turn = inverse.matrix * b.matrix;
     let offset = inverse.matrix * (b.translation - a.translation);
-    let off = inverse.error * reach.element_sum();
-    let spread = inverse.magnitudes * (reach * ROUNDING + Vec3A::splat(UNDERFLOW));
-    let error = spread + Vec3A::splat(off);
-    let most = magnitudes(turn) * b.far + offset.abs() + error;
-    let Mat3A { x_axis: x, y_axis: y, z_axis: z } = turn;
-    let is_held = [x.abs(), y.abs(), z.abs(), most].iter().all(|x| x.cmple(LIMIT).all());
+    let spread = magnitudes(inverse.matrix) * (reach * ROUNDING + DVec3::splat(UNDERFLOW));
+    let error = spread + DVec3::splat(off);
+    let sizes = magnitudes(turn);
+    let most = sizes * b.far + offset.abs() + error;
+    let is_held = [sizes.x_axis, sizes.y_axis, sizes.z_axis, most]
+        .iter()
+        .all(|magnitudes| magnitudes.cmple(LIMIT).all());
     is_held.then(|| {
-        let rows = [0, 1, 2].map(|k| [x[k], y[k], z[k], offset[k]]);
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = turn.transpose();
+        let row = |row: DVec3, offset: f64| row.extend(offset).as_vec4().to_array();
+        let rows = [row(x, offset.x), row(y, offset.y), row(z, offset.z)];
         (rows, padding(b.far, offset, error))
     })
 }
@@ -136,7 +123,6 @@ fn seen_from(a: &Placed, inverse: &Inverse, b: &Placed) -> Option<([[f32; 4]; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     /// Points that two random bodies have in common, as far as f32 tells.
     #[test]
@@ -153,12 +139,10 @@ mod tests {
                 let mut pose = || Pose::new([(); 3].map(|()| [(); 4].map(|()| scale * random())));
                 let (a, b) = (Placed::new(&pose(), &bounds), Placed::new(&pose(), &bounds));
                 let x = [(); 3].map(|()| random());
-                let (Some(inverse), Some((back, _))) = (a.inverse(), b.inverse_in_f64()) else {
-                    continue;
-                };
+                let (Some(inverse), Some(back)) = (a.inverse(), b.inverse()) else { continue };
                 let Some((rows, pad)) = seen_from(&a, &inverse, &b) else { continue };
                 let common = DVec3::from_array(a.pose.apply(x).map(f64::from));
-                let y = (back * (common - b.translation.as_dvec3())).as_vec3();
+                let y = (back.matrix * (common - b.translation)).as_vec3();
                 if y.abs().max_element() > 1.0 {
                     continue;
                 }

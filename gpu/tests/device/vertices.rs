@@ -230,7 +230,7 @@ fn refits_in_any_order() {
                 let vertices = &buffers[way as usize - 3];
                 vertices.write(&positions);
                 moving.set_positions_from(&vertices.read(BOX)).unwrap();
-                // What comes after does not count.
+                // The refit has read it before.
                 vertices.write(&flat.positions);
             }
         }
