@@ -66,6 +66,7 @@ impl Ahead {
         verb: GpuVerb,
     ) -> Result<Option<(CommandBuffer, Run)>, GpuError> {
         let Self { subject, commands, source, mut run } = self;
+        engine.read_back.shown = None;
         // A buffer that the host still maps is no place for results, and these commands keep no time.
         let is_in_use = engine.read_back.is_pending() || engine.clock.is_some();
         let is_in_use = is_in_use || !engine.are_counters_clear;

@@ -12,6 +12,7 @@ use crate::lists::Lists;
 use crate::model::Outside;
 use crate::pass::Named;
 use crate::read::read_now;
+use crate::refit::Refit;
 use crate::results::{ReadBack, Run};
 use crate::sequence::groups_for;
 use crate::staging::Staging;
@@ -60,6 +61,8 @@ pub(crate) struct Engine {
     pub(crate) few_open: Option<[u64; 2]>,
     /// The positions of the models that are bound, where the host has not seen them.
     outside: [Option<Outside>; 2],
+    /// The refits of the models that are bound, as far as these move.
+    pub(crate) refits: [Option<Arc<Refit>>; 2],
     /// The wear of the models that are bound.
     pub(crate) wear: Option<[Arc<Wear>; 2]>,
     /// Ends a question early once it is set.
@@ -94,6 +97,7 @@ impl Engine {
             clock: None,
             few_open: None,
             outside: [None, None],
+            refits: [None, None],
             wear: None,
             cancel: None,
             lists,
@@ -140,6 +144,7 @@ impl Engine {
         ];
         self.wear = Some([a.wear.clone(), b.wear.clone()]);
         self.outside = [a.outside.clone(), b.outside.clone()];
+        self.refits = [a.refit.clone(), b.refit.clone()];
         self.bind_buffers([a.id, b.id], &buffers)
     }
 

@@ -39,6 +39,7 @@ mod pass;
 mod probe;
 mod query;
 mod read;
+mod refit;
 mod report;
 mod results;
 mod runner;

@@ -5,6 +5,7 @@ use crate::buffer::Usage;
 use crate::device::release;
 use crate::gpu::Gpu;
 use crate::layout::Corner;
+use crate::refit::Refit;
 use crate::source::Source;
 use crate::totals::count;
 use crate::wear::Wear;
@@ -47,6 +48,8 @@ pub struct GpuModel {
     pub(crate) bounds: Option<Aabb>,
     /// If the host has not seen the positions: which of them are not where they were said to be.
     pub(crate) outside: Option<Outside>,
+    /// The refit that its boxes are of, if it moves.
+    pub(crate) refit: Option<Arc<Refit>>,
     /// Whether what is there is the shadow of a mesh in f64.
     pub(crate) is_shadow: bool,
     /// Box tests of queries about it.
@@ -108,6 +111,7 @@ impl GpuModel {
             bounds: bvh.aabb(),
             is_shadow: bvh.mesh().is_f64(),
             outside: None,
+            refit: None,
             wear: Arc::default(),
         })
     }

@@ -238,7 +238,8 @@ impl GpuQuery {
         Ok(Self { runner, asked: None, verb: GpuVerb::All })
     }
 
-    /// All pairs that meet, sorted. Verbs that wait are there natively; on the web [`GpuQuery::read`] does.
+    /// All pairs that meet, sorted, in the memory that the device has written where it can be. Verbs that wait are there natively;
+    /// on the web [`GpuQuery::read`] does.
     ///
     /// # Errors
     /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::InF64`],
@@ -247,7 +248,7 @@ impl GpuQuery {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn all(&mut self, question: &GpuQuestion<'_>) -> Result<&[TrianglePair], GpuError> {
         self.ask(question, GpuVerb::All)?;
-        Ok(&self.runner.pairs)
+        Ok(self.runner.pairs())
     }
 
     /// Some pair that meets, if any does.
@@ -257,7 +258,7 @@ impl GpuQuery {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn any(&mut self, question: &GpuQuestion<'_>) -> Result<Option<TrianglePair>, GpuError> {
         self.ask(question, GpuVerb::Any)?;
-        Ok(self.runner.pairs.first().copied())
+        Ok(self.runner.pairs().first().copied())
     }
 
     /// How many pairs meet. Needs no memory for them.
@@ -338,7 +339,7 @@ impl GpuQuery {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
         pollster::block_on(self.finish())?;
-        std::mem::swap(&mut self.runner.pairs, pairs);
+        self.runner.take_pairs(pairs)?;
         Ok(self.runner.count)
     }
 
@@ -349,7 +350,7 @@ impl GpuQuery {
     #[cfg(target_arch = "wasm32")]
     pub async fn read(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<u64, GpuError> {
         self.finish().await?;
-        std::mem::swap(&mut self.runner.pairs, pairs);
+        self.runner.take_pairs(pairs)?;
         Ok(self.runner.count)
     }
 

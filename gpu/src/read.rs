@@ -8,7 +8,9 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::Waker;
-use wgpu::{Buffer, BufferAsyncError, BufferUsages, CommandEncoder, Device, MapMode, Queue};
+use wgpu::{
+    Buffer, BufferAsyncError, BufferUsages, BufferView, CommandEncoder, Device, MapMode, Queue,
+};
 
 /// A buffer that is being mapped, which happens once all submissions that use it are done.
 #[derive(Debug)]
@@ -65,10 +67,23 @@ impl Mapping {
         Ok(self.is_done)
     }
 
-    /// Waits until it is mapped, and hands over what the buffer holds. [`GpuError::Cancelled`] once the flag is set: it may be
-    /// waited for again.
+    /// Waits until it is mapped, and hands over what the buffer holds, which is to be unmapped. [`GpuError::Cancelled`] once the
+    /// flag is set: it may be waited for again.
     ///
     /// Natively the future is ready when it is first polled: it blocks.
+    pub(crate) async fn view(
+        &mut self,
+        device: &Device,
+        buffer: &Buffer,
+        bytes: u64,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<BufferView, GpuError> {
+        self.wait(device, cancel).await?;
+        let refused = |error: wgpu::MapRangeError| GpuError::Device { reason: error.to_string() };
+        buffer.get_mapped_range(..bytes).map_err(refused)
+    }
+
+    /// The same, read by `take` and unmapped.
     pub(crate) async fn read<T>(
         &mut self,
         device: &Device,
@@ -77,12 +92,7 @@ impl Mapping {
         cancel: Option<&AtomicBool>,
         take: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, GpuError> {
-        self.wait(device, cancel).await?;
-        let view = buffer
-            .get_mapped_range(..bytes)
-            .map_err(|error| GpuError::Device { reason: error.to_string() })?;
-        let taken = take(&view);
-        drop(view);
+        let taken = take(&self.view(device, buffer, bytes, cancel).await?);
         buffer.unmap();
         Ok(taken)
     }

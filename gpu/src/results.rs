@@ -11,9 +11,11 @@ use crate::task::Order;
 use crate::{Gpu, GpuError};
 use pfront_core::bvtt::TrianglePair;
 use pfront_shaders::constants::FEW;
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferBinding, BufferSize, CommandEncoder, MapMode,
+    BindGroup, BindingResource, Buffer, BufferBinding, BufferSize, BufferView, CommandEncoder,
+    MapMode,
 };
 
 /// A run that has been recorded.
@@ -40,6 +42,44 @@ pub(crate) struct Found {
     pub(crate) rest: Vec<Rest>,
     /// Whether the device has put all hits in order.
     pub(crate) in_order: bool,
+    /// `None` once they are unmapped.
+    pub(crate) hits: Option<MappedHits>,
+}
+
+/// The hits of a run where the host has mapped them: until it is dropped, before the next run is submitted.
+#[derive(Debug)]
+pub(crate) struct MappedHits {
+    view: BufferView,
+    bytes: Range<usize>,
+    /// Dropped after the view.
+    _mapped: Mapped,
+}
+
+/// A mapped buffer, which is unmapped at the end.
+#[derive(Debug)]
+struct Mapped(Buffer);
+
+impl Drop for Mapped {
+    fn drop(&mut self) {
+        self.0.unmap();
+    }
+}
+
+impl MappedHits {
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.bytes.len() / size_of::<TrianglePair>()
+    }
+
+    /// The hits, if they are aligned as the host needs it: nothing says how mapped memory is.
+    pub(crate) fn list(&self) -> Option<&[TrianglePair]> {
+        bytemuck::try_cast_slice(&self.view[self.bytes.clone()]).ok()
+    }
+
+    /// Adds them to a list.
+    pub(crate) fn copy(&self, pairs: &mut Vec<TrianglePair>) -> Result<(), GpuError> {
+        append(pairs, &self.view[self.bytes.clone()])
+    }
 }
 
 /// How results come to the host.
@@ -49,6 +89,8 @@ pub(crate) struct ReadBack {
     pub(crate) buffers: ReadBackBuffers,
     /// If the host has begun to read.
     mapping: Option<Mapping>,
+    /// The hits of the last answer, if they are shown where they are mapped.
+    pub(crate) shown: Option<MappedHits>,
 }
 
 /// The buffers in which results come to the host.
@@ -74,6 +116,23 @@ impl Run {
     /// The bytes of the read-back buffer that the host reads.
     fn bytes(&self) -> u64 {
         self.hits_at + u64::from(self.brought[0]) * size_of::<TrianglePair>() as u64
+    }
+
+    /// The results by what the host has mapped, and the first vertex outside of its box.
+    fn found(&self, view: BufferView) -> Result<(Found, Option<u32>), GpuError> {
+        let (mapped, hits_at) = (Mapped(self.read_back.clone()), self.hits_at as usize);
+        let mut hits = MappedHits { view, bytes: hits_at..hits_at, _mapped: mapped };
+        let bytes: &[u8] = &hits.view;
+        let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..size_of::<Counters>()]);
+        let found = counters.rest.min(self.brought[1]) as usize * size_of::<Rest>();
+        let mut rest = Vec::new();
+        append(&mut rest, &bytes[REST_AT as usize..][..found])?;
+        let told = &bytes[OUTSIDE_AT as usize..][..size_of::<[u32; 2]>()];
+        let outside = self.outside(bytemuck::pod_read_unaligned(told));
+        let found = counters.hits.min(self.brought[0]) as usize * size_of::<TrianglePair>();
+        hits.bytes.end += found;
+        let in_order = counters.unordered == 0;
+        Ok((Found { counters, rest, in_order, hits: Some(hits) }, outside))
     }
 
     /// The first vertex outside of its box by what the device told, if it was asked.
@@ -111,7 +170,7 @@ impl ReadBackBuffers {
 impl ReadBack {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let buffers = ReadBackBuffers::new(gpu, [FEW, 64])?;
-        Ok(Self { gpu: gpu.clone(), buffers, mapping: None })
+        Ok(Self { gpu: gpu.clone(), buffers, mapping: None, shown: None })
     }
 
     /// Whether the host has begun to read a run, and not read it to the end.
@@ -122,6 +181,7 @@ impl ReadBack {
     /// Forgets a run that nobody has read to the end. It leaves a buffer that wgpu 30 may map once that run is done, even if
     /// it was unmapped and is to be mapped after a later one.
     pub(crate) fn forget(&mut self) -> Result<(), GpuError> {
+        self.shown = None;
         if self.mapping.take().is_some() {
             self.buffers = ReadBackBuffers::new(&self.gpu, self.buffers.room)?;
         }
@@ -190,11 +250,10 @@ impl ReadBack {
         done.map_err(|error| gpu.cause_of(error))
     }
 
-    /// Waits for a run, and for nothing that was submitted later; adds the hits to `pairs`.
+    /// Waits for a run, and for nothing that was submitted later.
     pub(crate) async fn read(
         &mut self,
         run: &Run,
-        pairs: &mut Vec<TrianglePair>,
         cancel: Option<&AtomicBool>,
     ) -> Result<Found, GpuError> {
         let Self { gpu, mapping, .. } = self;
@@ -202,26 +261,14 @@ impl ReadBack {
         let (device, bytes) = (gpu.device(), run.bytes());
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
         let reading = mapping.get_or_insert_with(begin);
-        let take = |bytes: &[u8]| {
-            let counters = &bytes[..size_of::<Counters>()];
-            let counters: Counters = bytemuck::pod_read_unaligned(counters);
-            let [hits, rest] = [counters.hits, counters.rest];
-            let hits = hits.min(run.brought[0]) as usize * size_of::<TrianglePair>();
-            let rest = rest.min(run.brought[1]) as usize * size_of::<Rest>();
-            append(pairs, &bytes[run.hits_at as usize..][..hits])?;
-            let in_order = counters.unordered == 0;
-            let rest = bytemuck::pod_collect_to_vec(&bytes[REST_AT as usize..][..rest]);
-            let told = &bytes[OUTSIDE_AT as usize..][..size_of::<[u32; 2]>()];
-            let outside = run.outside(bytemuck::pod_read_unaligned(told));
-            Ok::<_, GpuError>((Found { counters, in_order, rest }, outside))
-        };
-        let found = reading.read(device, &run.read_back, bytes, cancel, take).await;
+        let view = reading.view(device, &run.read_back, bytes, cancel).await;
+        let found = view.and_then(|view| run.found(view));
         if !matches!(found, Err(GpuError::Cancelled)) {
             // Else the next run takes another buffer, as it does where nobody awaits this to the end.
             *mapping = None;
         }
         gpu.check()?;
-        let (found, outside): (Found, _) = found.map_err(|error| gpu.cause_of(error))??;
+        let (found, outside) = found.map_err(|error| gpu.cause_of(error))?;
         if found.counters.ticket != run.ticket {
             return Err(GpuError::NotSubmitted);
         }

@@ -13,7 +13,7 @@ use crate::engine::Engine;
 use crate::layout::{Counters, InstancePair, Query, Rest};
 use crate::memory::reserve;
 use crate::read::read_now;
-use crate::results::{Found, Run};
+use crate::results::{Found, MappedHits, Run};
 use crate::task::{Entry, GpuVerb, Start, Task};
 use crate::{GpuError, GpuReport, totals, wear};
 use pfront_core::bvtt::TrianglePair;
@@ -35,8 +35,8 @@ pub(crate) struct Runner {
     pub(crate) engine: Engine,
     /// Commands for the next question, if they are recorded.
     ahead: Option<Ahead>,
-    /// The pairs found so far, if they are wanted.
-    pub(crate) pairs: Vec<TrianglePair>,
+    /// The pairs found so far, if they are wanted and not shown where they are mapped.
+    pairs: Vec<TrianglePair>,
     /// Pairs that the CPU decided, until they join `pairs`.
     late: Vec<TrianglePair>,
     /// Pairs that the device left open for the host.
@@ -102,7 +102,24 @@ impl Runner {
         self.engine.forget_times();
     }
 
+    /// The pairs that were found, if they are wanted.
+    pub(crate) fn pairs(&self) -> &[TrianglePair] {
+        let shown = self.engine.read_back.shown.as_ref();
+        shown.and_then(MappedHits::list).unwrap_or(&self.pairs)
+    }
+
+    /// Puts them in place of others.
+    pub(crate) fn take_pairs(&mut self, pairs: &mut Vec<TrianglePair>) -> Result<(), GpuError> {
+        if let Some(shown) = self.engine.read_back.shown.take() {
+            pairs.clear();
+            return shown.copy(pairs);
+        }
+        std::mem::swap(&mut self.pairs, pairs);
+        Ok(())
+    }
+
     fn reset(&mut self) {
+        self.engine.read_back.shown = None;
         self.pairs.clear();
         self.late.clear();
         self.open.clear();
@@ -154,11 +171,12 @@ impl Runner {
         Ok(Asked { may_repeat, ..asked })
     }
 
-    /// Records the commands of a question again while it is on the device.
+    /// Records the commands of a question again while it is on the device, and those of the refits before it.
     fn record_ahead(&mut self, asked: &Asked, verb: GpuVerb) -> Result<(), GpuError> {
         if !asked.may_repeat || self.engine.read_back.is_done(&asked.run)? {
             return Ok(());
         }
+        self.engine.refits.iter().flatten().for_each(|refit| refit.record_ahead());
         // Times are those of the last run that was recorded.
         if self.ahead.is_some() || self.engine.clock.is_some() {
             return Ok(());
@@ -235,7 +253,7 @@ impl Runner {
         loop {
             let before = self.pairs.len();
             let Engine { read_back, cancel, .. } = &mut self.engine;
-            let found = read_back.read(&run, &mut self.pairs, cancel.as_deref()).await?;
+            let mut found = read_back.read(&run, cancel.as_deref()).await?;
             self.engine.are_counters_clear = true;
             self.report.add(&found.counters, task.query.leaf_size);
             let Counters { overflow, hits, rest, fronts, .. } = found.counters;
@@ -244,19 +262,22 @@ impl Runner {
                 GpuVerb::Any if hits > 0 => 0,
                 GpuVerb::Any | GpuVerb::Count | GpuVerb::CountEach => overflow & !HIT_OVERFLOW,
             };
+            let is_left =
+                fronts[run.last_front as usize] != 0 && !(verb == GpuVerb::Any && hits > 0);
+            if refused != 0 || is_left {
+                // No buffer of the next run may be mapped.
+                found.hits = None;
+            }
             if refused & REST_OVERFLOW != 0 && self.engine.is_direct(task) {
                 // This pose is not like the one before.
                 self.engine.few_open = None;
-                self.pairs.truncate(before);
                 run = self.run(task, Start::Front(&part), verb)?;
                 continue;
             }
             if refused != 0 {
-                self.pairs.truncate(before);
                 let parts = self.divide(task, &part, &found.counters).await?;
                 waiting.extend(parts.into_iter().rev());
-            } else if fronts[run.last_front as usize] != 0 && !(verb == GpuVerb::Any && hits > 0) {
-                self.pairs.truncate(before);
+            } else if is_left {
                 run = self.run(task, Start::Left(run.last_front, &found.counters), verb)?;
                 continue;
             } else {
@@ -277,7 +298,8 @@ impl Runner {
                     _ => answered.push((std::mem::take(&mut part), share)),
                 }
                 in_order = before == 0 && found.in_order;
-                self.take(task, before, found, verb).await?;
+                let is_whole = in_order && waiting.is_empty();
+                self.take(task, found, is_whole, verb).await?;
                 if verb == GpuVerb::Any && self.count > 0 {
                     break;
                 }
@@ -372,21 +394,28 @@ impl Runner {
         shares.into_iter().fold(0.0, f64::max)
     }
 
-    /// Adds what a complete run found beyond the hits that have been read already.
+    /// Adds what a complete run found. Hits that are all there are, and in order, stay where they are mapped.
     async fn take(
         &mut self,
         task: &Task,
-        before: usize,
         found: Found,
+        is_whole: bool,
         verb: GpuVerb,
     ) -> Result<(), GpuError> {
-        let Found { counters, mut rest, .. } = found;
+        let Found { counters, mut rest, hits, .. } = found;
         let (device, queue) = (self.engine.gpu.device(), self.engine.gpu.queue());
         let again = || device.create_command_encoder(&Default::default());
         let (lists, cancel) = (&self.engine.lists, self.engine.cancel.as_deref());
         let is_listed = matches!(verb, GpuVerb::All | GpuVerb::AnyEach);
-        if is_listed && self.pairs.len() - before < counters.hits as usize {
-            self.pairs.truncate(before);
+        let brought = hits.filter(|hits| !is_listed || hits.len() == counters.hits as usize);
+        if let Some(hits) = brought {
+            let is_alone = counters.rest == 0 && self.late.is_empty();
+            let is_shown = is_whole && is_alone && verb == GpuVerb::All;
+            match is_shown && hits.list().is_some() {
+                true => self.engine.read_back.shown = Some(hits),
+                false => hits.copy(&mut self.pairs)?,
+            }
+        } else if is_listed {
             let count = counters.hits as usize;
             let list = lists.results(verb);
             let hits = read_now(device, queue, again(), list, count, cancel).await?;

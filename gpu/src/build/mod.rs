@@ -135,6 +135,7 @@ fn model(gpu: &Gpu, shape: Option<Balanced>, bounds: &Aabb) -> Result<GpuModel, 
         bounds: shape.map(|_| *bounds),
         is_shadow: false,
         outside: None,
+        refit: None,
         wear: Arc::default(),
     })
 }

@@ -7,19 +7,20 @@ use crate::build::{Built, price};
 use crate::clock::{Clock, Timing};
 use crate::gpu::Gpu;
 use crate::model::Outside;
+use crate::refit::{Origin, Refit};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
 use crate::source::Source;
-use crate::staging::Staging;
 use crate::totals::count;
 use crate::{GpuError, GpuModel};
 use extent::Extent;
 use pfront_core::bvh::BuildOptions;
 use pfront_core::{Aabb, Bvh, Mesh, MeshError};
 use std::ops::Deref;
+use std::sync::Arc;
 use vertices::Taken;
 pub use vertices::VertexBuffer;
-use wgpu::{Buffer, CommandBuffer, CommandEncoder};
+use wgpu::{Buffer, CommandEncoder, WriteOnly};
 
 /// A [`GpuModel`] whose vertices move. Ask about it as about any other.
 ///
@@ -53,12 +54,11 @@ pub struct Deforming {
     model: GpuModel,
     source: Source,
     options: BuildOptions<'static>,
-    staging: Staging,
-    refit: Sequence,
-    /// The commands of the next refit, recorded while the device does the last one, and the buffer, mapped, from which they
-    /// copy positions.
-    ahead: Option<(CommandBuffer, Buffer)>,
-    /// The dispatches that take positions from buffers of the caller's, the last that was new first.
+    /// The dispatches that fit the boxes.
+    fit: Arc<Sequence>,
+    /// The refit to positions from the host.
+    refit: Arc<Refit>,
+    /// The refits to positions from buffers of the caller's, the last that was new first.
     taken: Vec<Taken>,
     /// `None` while the tree is an uploaded one.
     build: Option<Sequence>,
@@ -90,13 +90,11 @@ impl Deforming {
         let source = Source::new(gpu, bvh.mesh())?;
         let model = GpuModel::of_source(gpu, bvh, &source)?;
         let schedule = Schedule::new(bvh.nodes());
-        let refit = schedule.sequence(gpu, [&model.nodes, &model.corners], 0, &source.positions)?;
+        let fit = schedule.sequence(gpu, [&model.nodes, &model.corners], 0, &source.positions)?;
         // A rebuild keeps to leaves of this size.
         let leaf_size = bvh.nodes().iter().map(|node| node.count).max().unwrap_or(0);
-        let (gpu, options) = (gpu.clone(), BuildOptions { leaf_size, ..BuildOptions::default() });
-        let staging = Staging::default();
-        let (ahead, taken, build, clock) = (None, Vec::new(), None, None);
-        Ok(Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock })
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
+        Ok(Self::of(gpu, model, source, options, fit, None))
     }
 
     /// Uploads a mesh and builds its BVH on the device.
@@ -115,13 +113,23 @@ impl Deforming {
         count(&gpu.counted().uploads);
         let bounds = Aabb::of(mesh.shadow());
         let Built { model, build, refit } = Built::new(gpu, &source, &bounds, *options)?;
-        let (gpu, build) = (gpu.clone(), Some(build));
         let options = BuildOptions { leaf_size: options.leaf_size, join: None };
-        let (staging, ahead, taken, clock) = (Staging::default(), None, Vec::new(), None);
-        let mut own =
-            Self { gpu, model, source, options, staging, refit, ahead, taken, build, clock };
+        let mut own = Self::of(gpu, model, source, options, refit, Some(build));
         own.rebuild()?;
         Ok(own)
+    }
+
+    fn of(
+        gpu: &Gpu,
+        model: GpuModel,
+        source: Source,
+        options: BuildOptions<'static>,
+        fit: Sequence,
+        build: Option<Sequence>,
+    ) -> Self {
+        let (gpu, fit, taken, clock) = (gpu.clone(), Arc::new(fit), Vec::new(), None);
+        let refit = refit_by_host(&gpu, &source, &fit);
+        Self { gpu, model, source, options, fit, refit, taken, build, clock }
     }
 
     /// The same, keeping the device time of a refit or rebuild as a whole.
@@ -129,7 +137,7 @@ impl Deforming {
     /// # Errors
     /// [`GpuError::OutOfMemory`].
     pub fn with_time(mut self) -> Result<Self, GpuError> {
-        (self.ahead, self.clock) = (None, Clock::new(&self.gpu, false)?);
+        self.clock = Clock::new(&self.gpu, false)?;
         Ok(self)
     }
 
@@ -138,7 +146,7 @@ impl Deforming {
     /// # Errors
     /// [`GpuError::OutOfMemory`].
     pub fn with_timings(mut self) -> Result<Self, GpuError> {
-        (self.ahead, self.clock) = (None, Clock::new(&self.gpu, true)?);
+        self.clock = Clock::new(&self.gpu, true)?;
         Ok(self)
     }
 
@@ -159,18 +167,20 @@ impl Deforming {
     /// # Complexity
     /// O(vertices) on the host, which waits for nothing; O(triangles) on the device.
     pub fn set_positions(&mut self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
-        self.check_count(positions)?;
-        match self.ahead.take() {
-            None => self.submit(|own, encoder| own.record_positions(encoder, positions))?,
-            Some((commands, source)) => self.gpu.clone().checked(|| {
-                self.staging.forget();
-                self.write(source, positions)?;
-                self.send(commands)
-            })?,
+        // Times are those of the last refit that was recorded.
+        if self.clock.is_some() || positions.is_empty() {
+            return self.submit(|own, encoder| own.record_positions(encoder, positions));
         }
-        // Without memory for it, the next refit is recorded when it is due.
-        let _ = self.gpu.clone().checked(|| self.record_ahead());
-        Ok(())
+        self.check_count(positions)?;
+        self.gpu.clone().checked(|| {
+            let refit = self.refit.clone();
+            let (commands, source) = refit.take()?;
+            if let Some(source) = source {
+                self.write(source, positions)?;
+            }
+            self.model.refit = Some(refit.clone());
+            refit.submit(commands)
+        })
     }
 
     /// The same in an encoder of the caller's, which has to be submitted before anything else is asked
@@ -184,7 +194,7 @@ impl Deforming {
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
         self.record_write(encoder, positions)?;
-        self.refit.run(encoder, self.clock.as_mut());
+        self.fit.run(encoder, self.clock.as_mut());
         Ok(())
     }
 
@@ -202,7 +212,14 @@ impl Deforming {
     /// O(1) on the host, a few microseconds where buffer, layout and box are among the last four; O(vertices + triangles) on the
     /// device.
     pub fn set_positions_from(&mut self, vertices: &VertexBuffer<'_>) -> Result<(), GpuError> {
-        self.submit(|own, encoder| own.record_positions_from(encoder, vertices))
+        if self.clock.is_some() || self.source.vertices == 0 {
+            return self.submit(|own, encoder| own.record_positions_from(encoder, vertices));
+        }
+        self.gpu.clone().checked(|| {
+            let refit = self.refit_from(vertices)?;
+            self.model.refit = Some(refit.clone());
+            refit.submit(refit.take()?.0)
+        })
     }
 
     /// The same in an encoder of the caller's, after the passes that write the buffer. It has to be submitted before anything else is
@@ -218,6 +235,13 @@ impl Deforming {
         if self.source.vertices == 0 {
             return Ok(());
         }
+        let refit = self.refit_from(vertices)?;
+        refit.record(encoder, None, self.clock.as_mut());
+        Ok(())
+    }
+
+    /// The refit to positions from a buffer of the caller's, which is to follow.
+    fn refit_from(&mut self, vertices: &VertexBuffer<'_>) -> Result<Arc<Refit>, GpuError> {
         let outside = match self.model.outside.clone() {
             Some(outside) => outside,
             None => Outside::new(&self.gpu, &self.source)?,
@@ -225,7 +249,7 @@ impl Deforming {
         let at = match self.taken.iter().position(|taken| taken.is_from(vertices)) {
             Some(at) => at,
             None => {
-                let taken = Taken::new(&self.gpu, &self.source, &outside, vertices)?;
+                let taken = Taken::new(&self.gpu, &self.source, &outside, &self.fit, vertices)?;
                 self.taken.truncate(BUFFERS - 1);
                 self.taken.insert(0, taken);
                 0
@@ -233,13 +257,10 @@ impl Deforming {
         };
         if self.model.outside.is_none() {
             // Commands that were recorded ahead do not ask whether a vertex is outside.
-            (self.model.id, self.model.outside) = (GpuModel::next_id(), Some(outside.clone()));
+            (self.model.id, self.model.outside) = (GpuModel::next_id(), Some(outside));
         }
-        encoder.clear_buffer(&outside.buffer, 0, None);
-        self.taken[at].sequence.run(encoder, None);
-        self.refit.run(encoder, self.clock.as_mut());
         self.model.bounds = self.model.bounds.map(|_| vertices.bounds);
-        Ok(())
+        Ok(self.taken[at].refit.clone())
     }
 
     /// Builds a new BVH for the vertices where they are.
@@ -307,33 +328,12 @@ impl Deforming {
         record: impl FnOnce(&mut Self, &mut CommandEncoder) -> Result<(), GpuError>,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu.clone();
-        self.staging.forget();
+        self.refit.lock().staging.forget();
         gpu.checked(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             record(self, &mut encoder)?;
-            self.send(encoder.finish())
+            self.refit.submit(encoder.finish())
         })
-    }
-
-    /// Submits commands, and has what they copy from mapped again.
-    fn send(&mut self, commands: CommandBuffer) -> Result<(), GpuError> {
-        self.gpu.queue().submit([commands]);
-        self.staging.submitted(&self.gpu);
-        self.gpu.check()
-    }
-
-    /// Records the next refit.
-    fn record_ahead(&mut self) -> Result<(), GpuError> {
-        let bytes = self.position_bytes();
-        // Times are those of the last refit that was recorded.
-        if bytes != 0 && self.clock.is_none() {
-            let source = self.staging.take(&self.gpu, bytes)?;
-            let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
-            self.refit.run(&mut encoder, None);
-            self.ahead = Some((encoder.finish(), source));
-        }
-        Ok(())
     }
 
     /// Puts a model to build in place of an uploaded one.
@@ -343,14 +343,11 @@ impl Deforming {
                 Built::new(&self.gpu, &self.source, bounds, self.options)?;
             model.wear = std::mem::take(&mut self.model.wear);
             model.outside = self.model.outside.take();
-            (self.model, self.build, self.refit) = (model, Some(build), refit);
-            self.ahead = None;
+            (self.model, self.build, self.fit) = (model, Some(build), Arc::new(refit));
+            self.refit = refit_by_host(&self.gpu, &self.source, &self.fit);
+            self.taken.clear();
         }
         Ok(())
-    }
-
-    fn position_bytes(&self) -> u64 {
-        (self.source.vertices * size_of::<[f32; 3]>()) as u64
     }
 
     fn check_count(&self, positions: &[[f32; 3]]) -> Result<(), GpuError> {
@@ -368,12 +365,14 @@ impl Deforming {
         positions: &[[f32; 3]],
     ) -> Result<(), GpuError> {
         self.check_count(positions)?;
-        let bytes = self.position_bytes();
+        let bytes = size_of_val(positions) as u64;
         if bytes == 0 {
             return Ok(());
         }
-        self.staging.forget();
-        let source = self.staging.take(&self.gpu, bytes)?;
+        let mut next = self.refit.lock();
+        next.staging.forget();
+        let source = next.staging.take(&self.gpu, bytes)?;
+        drop(next);
         self.write(source.clone(), positions)?;
         encoder.copy_buffer_to_buffer(&source, 0, &self.source.positions, 0, bytes);
         Ok(())
@@ -382,14 +381,16 @@ impl Deforming {
     /// Writes positions, which are checked in the same pass, into a mapped buffer.
     fn write(&mut self, source: Buffer, positions: &[[f32; 3]]) -> Result<(), GpuError> {
         let mut extent = Extent::default();
-        self.staging.write_into(&self.gpu, source, size_of_val(positions) as u64, |mut view| {
+        let fill = |mut view: WriteOnly<'_, [u8]>| {
             let parts = positions.chunks(PART);
             for (at, part) in (0..).step_by(PART * size_of::<[f32; 3]>()).zip(parts) {
                 let part_bytes: &[u8] = bytemuck::cast_slice(part);
                 view.slice(at..at + part_bytes.len()).copy_from_slice(part_bytes);
                 extent.add(part);
             }
-        })?;
+        };
+        let bytes = size_of_val(positions) as u64;
+        self.refit.lock().staging.write_into(&self.gpu, source, bytes, fill)?;
         if !extent.is_finite() {
             Mesh::new(positions, &[])?;
         }
@@ -402,6 +403,13 @@ impl Deforming {
         }
         Ok(())
     }
+}
+
+/// The refit of a mesh to positions from the host, by these dispatches.
+fn refit_by_host(gpu: &Gpu, source: &Source, fit: &Arc<Sequence>) -> Arc<Refit> {
+    let bytes = (source.vertices * size_of::<[f32; 3]>()) as u64;
+    let origin = Origin::Host(source.positions.clone(), bytes);
+    Refit::new(gpu, origin, vec![fit.clone()])
 }
 
 /// The most buffers of the caller's that are remembered: one for each frame that a renderer has under way.

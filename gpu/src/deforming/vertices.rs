@@ -3,11 +3,13 @@
 use crate::layout::Taking;
 use crate::model::Outside;
 use crate::parameters::Parameters;
+use crate::refit::{Origin, Refit};
 use crate::sequence::{Sequence, groups_for};
 use crate::source::Source;
 use crate::{Gpu, GpuError};
 use pfront_core::Aabb;
 use pfront_shaders::constants::GROUP;
+use std::sync::Arc;
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferSize, BufferUsages};
 
 /// Vertices in a buffer of the caller's: what a skinning pass or a simulation wrote. Each begins with its position, three `f32`.
@@ -36,14 +38,14 @@ pub struct VertexBuffer<'b> {
     pub bounds: Aabb,
 }
 
-/// The dispatch that takes positions from a buffer, and where they were.
+/// The refit to positions from a buffer, and where they were.
 #[derive(Debug)]
 pub(super) struct Taken {
     buffer: Buffer,
     offset: u64,
     stride: u64,
     bounds: Aabb,
-    pub(super) sequence: Sequence,
+    pub(super) refit: Arc<Refit>,
 }
 
 impl Taken {
@@ -53,6 +55,7 @@ impl Taken {
         gpu: &Gpu,
         source: &Source,
         outside: &Outside,
+        fit: &Arc<Sequence>,
         vertices: &VertexBuffer<'_>,
     ) -> Result<Self, GpuError> {
         let count = source.vertices;
@@ -86,7 +89,9 @@ impl Taken {
         let groups = groups_for((count as u32).div_ceil(GROUP));
         let mut sequence = Sequence::new(gpu)?;
         sequence.add_resources(gpu, |p| &p.take, &resources, parameters.binding(0), groups)?;
-        Ok(Self { buffer: buffer.clone(), offset, stride, bounds, sequence })
+        let origin = Origin::Device(outside.buffer.clone());
+        let refit = Refit::new(gpu, origin, vec![Arc::new(sequence), fit.clone()]);
+        Ok(Self { buffer: buffer.clone(), offset, stride, bounds, refit })
     }
 
     pub(super) fn is_from(&self, vertices: &VertexBuffer<'_>) -> bool {

@@ -44,14 +44,14 @@ impl WorldAnswer {
     ) -> Result<(), GpuError> {
         self.count += runner.count;
         if matches!(verb, GpuVerb::All | GpuVerb::Any) {
-            reserve(&mut self.hits, runner.pairs.len())?;
+            reserve(&mut self.hits, runner.pairs().len())?;
             each_list(runner, &pairs[first..], shift, |bodies, hits| {
                 self.hits.extend(hits.iter().map(|&hit| (bodies, hit)));
             });
             return Ok(());
         }
         let rows = &runner.instances;
-        let hits = || runner.pairs.iter().map(|&hit| pairs::hit(rows, shift, hit));
+        let hits = || runner.pairs().iter().map(|&hit| pairs::hit(rows, shift, hit));
         match verb {
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
             GpuVerb::AnyEach => hits().for_each(|(number, hit)| {
@@ -69,15 +69,17 @@ impl WorldAnswer {
 
 /// Calls back with the hits of each pair of bodies of a chunk, of which `pairs` begin with the first. Their ids become triangles.
 pub(super) fn each_list(
-    runner: &mut Runner,
+    runner: &Runner,
     pairs: &[BodyPair],
     shift: u32,
     mut visit: impl FnMut(BodyPair, &[TrianglePair]),
 ) {
+    let mut named = Vec::new();
     // The hits of a block of ids follow each other.
-    for hits in runner.pairs.chunk_by_mut(|x, y| x.a >> shift == y.a >> shift) {
+    for hits in runner.pairs().chunk_by(|x, y| x.a >> shift == y.a >> shift) {
         let row = &runner.instances[(hits[0].a >> shift) as usize];
-        hits.iter_mut().for_each(|hit| hit.a -= row.first_id);
-        visit(pairs[row.number as usize], hits);
+        named.clear();
+        named.extend(hits.iter().map(|hit| TrianglePair { a: hit.a - row.first_id, b: hit.b }));
+        visit(pairs[row.number as usize], &named);
     }
 }

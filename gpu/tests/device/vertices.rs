@@ -202,3 +202,47 @@ fn buffers_that_cannot_be_read_change_nothing() {
     let mut moving = Deforming::new(gpu(), empty.bvh()).unwrap();
     moving.set_positions_from(&good).unwrap();
 }
+
+/// Positions from the host and from more buffers than are remembered, in any order, with new trees and questions by two queries in
+/// between, or none.
+#[test]
+fn refits_in_any_order() {
+    let flat = sheet(12, |x, y| 0.1 * (9.0 * x * y).sin());
+    let ball = sphere(8).map(|p| p.map(|x| x * 0.4));
+    let ball = Both::new(&ball.positions, &ball.triangles, 4);
+    let mut core = Both::new(&flat.positions, &flat.triangles, 4);
+    let mut moving = Deforming::new(gpu(), core.bvh()).unwrap();
+    let (mut own, mut pair) = (GpuQuery::new(gpu()).unwrap(), GpuQuery::new(gpu()).unwrap());
+    let buffers = [3, 4, 5, 6, 7, 8].map(|stride| Vertices::new(flat.positions.len(), 1, stride));
+    let (mut state, mut found) = (7_u32, 0);
+    for _ in 0..120 {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let [way, next, fold, _] = state.to_be_bytes();
+        let fold = f32::from(fold) / 90.0 - 1.0;
+        let crumple =
+            |p: &[f32; 3]| [p[0] * (1.0 - fold * p[0].abs()), p[1], p[2] + fold * p[0] * p[1]];
+        let positions: Vec<_> = flat.positions.iter().map(crumple).collect();
+        core.set_positions(&positions);
+        match way % 9 {
+            0 | 1 => moving.set_positions(&positions).unwrap(),
+            2 => moving.rebuild_at(&positions).unwrap(),
+            way => {
+                let vertices = &buffers[way as usize - 3];
+                vertices.write(&positions);
+                moving.set_positions_from(&vertices.read(BOX)).unwrap();
+                // The refit has read it before.
+                vertices.write(&flat.positions);
+            }
+        }
+        if next & 1 != 0 {
+            let within = sorted(&bvtt::SelfBvtt::new(core.bvh()));
+            assert_eq!(own.all(&GpuQuestion::itself(&moving)).unwrap(), within);
+            found += within.len();
+        }
+        if next & 2 != 0 {
+            let question = GpuQuestion::pair(&ball.model, &moving, &Pose::IDENTITY);
+            assert_eq!(pair.all(&question).unwrap(), truth(&ball, &core, &Pose::IDENTITY));
+        }
+    }
+    assert!(found > 0);
+}
