@@ -154,7 +154,8 @@ enum pfront_status_t
   PFRONT_MEETS_ITSELF = 40,
   // The model `what` is no solid: it has no volume.
   PFRONT_NO_VOLUME = 41,
-  // Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms.
+  // Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms; or body `index` has
+  // two ends among `ends`.
   PFRONT_MOTION = 42,
 };
 #ifndef __cplusplus
@@ -689,6 +690,24 @@ typedef struct pfront_scene_contact64_t {
   // Unit normals of both by the right-hand rule; 0 for a triangle without area.
   float normals[2][3];
 } pfront_scene_contact64_t;
+
+// Where a body goes, each vertex in a straight line.
+typedef struct pfront_body_end_t {
+  // The body.
+  uint64_t body;
+  // Its pose at time 1; at time 0 it has that of the scene.
+  struct pfront_pose64_t world_from_body;
+} pfront_body_end_t;
+
+// When two triangles of bodies meet first, as far as it is proven.
+typedef struct pfront_scene_impact_t {
+  // The triangles.
+  struct pfront_scene_hit_t hit;
+  // They do not meet before this time.
+  double from;
+  // They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
+  double to;
+} pfront_scene_impact_t;
 
 // A body that was part of another one.
 typedef struct pfront_piece_t {
@@ -1427,6 +1446,49 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        uint64_t *user_data,
                                        struct pfront_error_t *error);
 
+// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
+// of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
+// the executor. After `pfront_model_query_within`, pairs are those that come within the distance on the way. `impacts` belongs to the query and is
+// good until this is called again, or the query is freed.
+pfront_status_t pfront_model_query_impacts(struct pfront_model_query_t *query,
+                                           const struct pfront_motion_t *a,
+                                           const struct pfront_motion_t *b,
+                                           uint32_t rule,
+                                           const struct pfront_impact_t **impacts,
+                                           size_t *count,
+                                           struct pfront_error_t *error);
+
+// Finds the pair of triangles that meets first: `found` is 1 and `impact` tells it, or `found` is 0 and `impact` is not written. All else is
+// as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_first_impact(struct pfront_model_query_t *query,
+                                                const struct pfront_motion_t *a,
+                                                const struct pfront_motion_t *b,
+                                                uint32_t rule,
+                                                struct pfront_impact_t *impact,
+                                                uint32_t *found,
+                                                struct pfront_error_t *error);
+
+// Finds some pair of triangles that meets, and stops at the first that certainly does: `found` is 1 and `impact` tells it, or `found` is 0
+// and `impact` is not written. `to` is INFINITY only if all that `pfront_model_query_impacts` finds are open. Executors may find different
+// pairs. All else is as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_any_impact(struct pfront_model_query_t *query,
+                                              const struct pfront_motion_t *a,
+                                              const struct pfront_motion_t *b,
+                                              uint32_t rule,
+                                              struct pfront_impact_t *impact,
+                                              uint32_t *found,
+                                              struct pfront_error_t *error);
+
+// Tells how many pairs of triangles meet: at least `low`, which certainly do, and at most `high`, which are all that
+// `pfront_model_query_impacts` finds. No list is kept. All else is as for `pfront_model_query_impacts`.
+pfront_status_t pfront_model_query_count_impacts(struct pfront_model_query_t *query,
+                                                 const struct pfront_motion_t *a,
+                                                 const struct pfront_motion_t *b,
+                                                 uint32_t rule,
+                                                 uint64_t *low,
+                                                 uint64_t *high,
+                                                 struct pfront_error_t *error);
+
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
 // triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about
 // bodies that stand still are kept, so that a frame costs what the others do.
@@ -1460,6 +1522,45 @@ pfront_status_t pfront_scene_any(struct pfront_scene_t *scene,
 pfront_status_t pfront_scene_count(struct pfront_scene_t *scene,
                                    uint64_t *count,
                                    struct pfront_error_t *error);
+
+// Finds all pairs of triangles of different bodies that meet while the `end_count` bodies of `ends` move, each given once; all others stay
+// where they are, and the scene is the same afterwards. `count` of them are in `impacts`, sorted by bodies, then triangles. No pair is missed. After
+// `pfront_scene_within`, pairs are those that come within the distance on the way. CPUs answer, whatever the executor. `impacts` belongs to the
+// scene and is good until this is called again, or the scene is freed.
+pfront_status_t pfront_scene_impacts(struct pfront_scene_t *scene,
+                                     const struct pfront_body_end_t *ends,
+                                     size_t end_count,
+                                     const struct pfront_scene_impact_t **impacts,
+                                     size_t *count,
+                                     struct pfront_error_t *error);
+
+// Finds the pair of triangles that meets first, by time, then by bodies and triangles: `found` is 1 and `impact` tells it, or `found` is 0 and
+// `impact` is not written. All else is as for `pfront_scene_impacts`.
+pfront_status_t pfront_scene_first_impact(struct pfront_scene_t *scene,
+                                          const struct pfront_body_end_t *ends,
+                                          size_t end_count,
+                                          struct pfront_scene_impact_t *impact,
+                                          uint32_t *found,
+                                          struct pfront_error_t *error);
+
+// Finds some pair of triangles that meets, and stops at the first that certainly does: `found` is 1 and `impact` tells it, or `found` is 0
+// and `impact` is not written. `to` is INFINITY only if all that `pfront_scene_impacts` finds are open. Executors may find different
+// pairs. All else is as for `pfront_scene_impacts`.
+pfront_status_t pfront_scene_any_impact(struct pfront_scene_t *scene,
+                                        const struct pfront_body_end_t *ends,
+                                        size_t end_count,
+                                        struct pfront_scene_impact_t *impact,
+                                        uint32_t *found,
+                                        struct pfront_error_t *error);
+
+// Tells how many pairs of triangles meet: at least `low`, which certainly do, and at most `high`, which are all that
+// `pfront_scene_impacts` finds. No list is kept. All else is as for `pfront_scene_impacts`.
+pfront_status_t pfront_scene_count_impacts(struct pfront_scene_t *scene,
+                                           const struct pfront_body_end_t *ends,
+                                           size_t end_count,
+                                           uint64_t *low,
+                                           uint64_t *high,
+                                           struct pfront_error_t *error);
 
 // Finds which bodies meet, each two until their first hit: `count` pairs in `pairs`, sorted, of which each is two numbers, the
 // body that was added first before the other; a body that is asked about itself twice. They belong to the scene and are

@@ -73,7 +73,8 @@ plain!(
     crate::pfront_subject_t,
     crate::pfront_allowed_t,
     crate::pfront_gap_t,
-    crate::pfront_motion_t
+    crate::pfront_motion_t,
+    crate::pfront_body_end_t
 );
 
 /// The outcome of a function that C calls.

@@ -7,6 +7,7 @@
 mod bodies;
 mod check;
 mod hits;
+mod impacts;
 mod segments;
 
 use crate::buffers::{NAMES, pfront_buffers_t, resize};
@@ -20,6 +21,7 @@ pub use check::*;
 use core::ffi::c_void;
 use core::ptr::null;
 pub use hits::*;
+pub use impacts::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
 use pfront_capi_entry::entry;
 pub use segments::*;
@@ -40,6 +42,7 @@ pub(crate) struct Scene {
     refused: Vec<pfront_refused_body_t>,
     containing: Vec<pfront_containing_body_t>,
     hits: Vec<pfront_scene_hit_t>,
+    impacts: Vec<pfront_scene_impact_t>,
     segment_hits: Vec<pfront_scene_segment_hit_t>,
     contacts: Vec<pfront_scene_contact_t>,
     contacts_f64: Vec<pfront_scene_contact64_t>,
@@ -81,6 +84,7 @@ fn pfront_scene_create(
         own,
         containing: Vec::new(),
         hits: Vec::new(),
+        impacts: Vec::new(),
         segment_hits: Vec::new(),
         contacts: Vec::new(),
         contacts_f64: Vec::new(),

@@ -99,7 +99,8 @@ pub enum pfront_status_t {
     PFRONT_MEETS_ITSELF = 40,
     /// The model `what` is no solid: it has no volume.
     PFRONT_NO_VOLUME = 41,
-    /// Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms.
+    /// Triangle `index` of a model is not the same at the `end` of a motion as at its start; or `what` is a pose of one that deforms; or body `index` has
+    /// two ends among `ends`.
     PFRONT_MOTION = 42,
 }
 

@@ -3,7 +3,7 @@
 use std::{env, fs, path::Path};
 
 /// In the order of the header.
-const MODULES: [&str; 25] = [
+const MODULES: [&str; 26] = [
     "status",
     "pose",
     "mesh",
@@ -26,6 +26,7 @@ const MODULES: [&str; 25] = [
     "segment",
     "scene",
     "scene/hits",
+    "scene/impacts",
     "scene/bodies",
     "scene/check",
     "scene/segments",
@@ -127,7 +128,7 @@ fn every_verb_of_a_scene_and_of_models_is_there() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = fs::read_to_string(folder.join("include/pfront.h")).unwrap();
     let has = |function: &str| header.contains(&format!("{function}("));
-    let files = ["mod.rs", "edit.rs", "nearest.rs", "check.rs", "segment.rs"];
+    let files = ["mod.rs", "edit.rs", "nearest.rs", "check.rs", "segment.rs", "impacts.rs"];
     for file in files.map(|file| format!("scene/{file}")) {
         let source = fs::read_to_string(folder.join("../src").join(file)).unwrap();
         for verb in methods(&source) {

@@ -363,8 +363,56 @@ static void mistakes(void)
     OK(pfront_model_free(NULL, &error));
 }
 
+// The first body flies through the others, which no pose at either end shows.
+static void impacts(void)
+{
+    uint64_t bodies[BODIES];
+    pfront_scene_t *scene = row(bodies);
+    const pfront_body_end_t far_away = {bodies[0], {{{1, 0, 0, 100}, {0, 1, 0, 0}, {0, 0, 1, 0}}}};
+    const pfront_scene_impact_t *found;
+    size_t count;
+    OK(pfront_scene_impacts(scene, &far_away, 1, &found, &count, &error));
+    const size_t all = count;
+    size_t proven = 0, with_last = 0;
+    for (size_t i = 0; i < count; i++) {
+        THAT(0 <= found[i].from && found[i].from <= found[i].to);
+        THAT(found[i].hit.pair.a < TRIANGLES && found[i].hit.pair.b < TRIANGLES);
+        proven += found[i].to < INFINITY;
+        with_last += found[i].hit.bodies[0] == bodies[0] && found[i].hit.bodies[1] == bodies[2];
+    }
+    THAT(with_last > 0);
+    uint64_t low, high;
+    OK(pfront_scene_count_impacts(scene, &far_away, 1, &low, &high, &error));
+    THAT(low == proven && high == all);
+    pfront_scene_impact_t one;
+    uint32_t is_found;
+    OK(pfront_scene_first_impact(scene, &far_away, 1, &one, &is_found, &error));
+    // It touches the second from the start on.
+    THAT(is_found == 1 && one.from == 0 && one.hit.bodies[0] == bodies[0] && one.hit.bodies[1] == bodies[1]);
+    OK(pfront_scene_any_impact(scene, &far_away, 1, &one, &is_found, &error));
+    THAT(is_found == 1 && one.to < INFINITY);
+    // The scene is the same, and nobody has to move.
+    const pfront_scene_hit_t *hits;
+    OK(pfront_scene_update(scene, &hits, &count, &error));
+    const size_t meeting_now = count;
+    OK(pfront_scene_impacts(scene, NULL, 0, &found, &count, &error));
+    THAT(count == meeting_now && count < all && (count == 0 || found[0].to == 0));
+    const pfront_body_end_t twice[2] = {far_away, far_away};
+    EXPECT(PFRONT_MOTION, "ends", pfront_scene_impacts(scene, twice, 2, &found, &count, &error));
+    THAT(error.index == bodies[0]);
+    pfront_body_end_t wrong = far_away;
+    wrong.world_from_body.rows[1][3] = NAN;
+    EXPECT(PFRONT_POSE_NOT_FINITE, "ends", pfront_scene_impacts(scene, &wrong, 1, &found, &count, &error));
+    EXPECT(PFRONT_NULL, "ends", pfront_scene_any_impact(scene, NULL, 1, &one, &is_found, &error));
+    EXPECT(PFRONT_NULL, "high", pfront_scene_count_impacts(scene, &far_away, 1, &low, NULL, &error));
+    OK(pfront_scene_remove(scene, bodies[0], &error));
+    EXPECT(PFRONT_STALE_BODY, "body", pfront_scene_first_impact(scene, &far_away, 1, &one, &is_found, &error));
+    OK(pfront_scene_free(scene, &error));
+}
+
 int main(void)
 {
+    impacts();
     frames();
     groups_and_numbers();
     deformation();

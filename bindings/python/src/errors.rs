@@ -47,7 +47,9 @@ pub(crate) fn exception(py: Python<'_>, error: Error, pose: Option<usize>) -> Py
         Error::Mesh(error) => (python::MeshError::new_err(text), of_mesh(&error)),
         Error::Pose(error) => (python::PoseError::new_err(text), of_pose(&error)),
         Error::Blob(_) => (python::BlobError::new_err(text), None),
-        Error::Distance(_) | Error::Motion(_) => (PyValueError::new_err(text), None),
+        Error::Distance(_) | Error::Motion(_) | Error::TwoEnds { .. } => {
+            (PyValueError::new_err(text), None)
+        }
         Error::StaleBody { .. } => (python::StaleBody::new_err(text), None),
         Error::Gpu(_) => (python::DeviceError::new_err(text), None),
         Error::Memory { .. } => (PyMemoryError::new_err(text), None),

@@ -27,6 +27,7 @@ mod poses;
 mod question;
 mod relation;
 mod scene;
+mod scene_impacts;
 mod segment;
 mod threads;
 mod watchdog;
@@ -68,6 +69,10 @@ mod _pfront {
     use crate::relation::{overlap_volume, relation, relations};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::scene_impacts::{
+        scene_any_impact, scene_count_impacts, scene_first_impact, scene_impacts,
+    };
     #[pymodule_export]
     use crate::segment::{inside, segment, segment_first};
     #[pymodule_export]

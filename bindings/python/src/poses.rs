@@ -1,7 +1,7 @@
 //! Poses out of whatever a user holds.
 
-use crate::arrays::entries;
-use crate::errors::exception;
+use crate::arrays::{entries, numbers};
+use crate::errors::{self, exception};
 use crate::memory;
 use numpy::{
     Element, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
@@ -56,6 +56,22 @@ impl Poses {
             Self::Many(poses) => poses,
         }
     }
+}
+
+/// Ids of bodies and a pose for each, and whether one pose was given rather than many.
+pub(crate) fn one_for_each(
+    py: Python<'_>,
+    ids: &PyReadonlyArrayDyn<'_, u64>,
+    poses: &Bound<'_, PyAny>,
+) -> PyResult<(Vec<u64>, Vec<AnyPose>, bool)> {
+    let (ids, poses) = (numbers(ids)?, Poses::new(py, Some(poses))?);
+    let is_one = matches!(poses, Poses::One(_));
+    let poses = poses.into_list();
+    if ids.len() != poses.len() {
+        let text = format!("{} poses were given for {} bodies", poses.len(), ids.len());
+        return Err(errors::poses(text));
+    }
+    Ok((ids, poses, is_one))
 }
 
 /// The poses of twelve entries each.

@@ -9,7 +9,7 @@ use crate::executor::Executor;
 use crate::memory;
 use crate::model::Model;
 use crate::mutex::{ProcessGuard, ProcessMutex};
-use crate::poses::Poses;
+use crate::poses::{Poses, one_for_each};
 use crate::question::Within;
 use crate::relation;
 use crate::segment;
@@ -211,13 +211,7 @@ impl Scene {
         ids: PyReadonlyArrayDyn<'_, u64>,
         poses: Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let (ids, poses) = (numbers(&ids)?, Poses::new(py, Some(&poses))?);
-        let is_one = matches!(poses, Poses::One(_));
-        let poses = poses.into_list();
-        if ids.len() != poses.len() {
-            let text = format!("{} poses were given for {} bodies", poses.len(), ids.len());
-            return Err(errors::poses(text));
-        }
+        let (ids, poses, is_one) = one_for_each(py, &ids, &poses)?;
         let state = self.state.lock(py)?;
         edit_each(py, &state, ids.len(), is_one, |query, i| {
             query.set_pose(BodyId::from_bits(ids[i]), poses[i])
@@ -405,7 +399,9 @@ impl Scene {
 }
 
 /// The bodies of all hits in turn.
-fn bodies_of<'h>(hits: impl ExactSizeIterator<Item = &'h SceneHit>) -> Result<Vec<i64>, Error> {
+pub(crate) fn bodies_of<'h>(
+    hits: impl ExactSizeIterator<Item = &'h SceneHit>,
+) -> Result<Vec<i64>, Error> {
     let mut bodies = Vec::new();
     memory::reserve(&mut bodies, 2 * hits.len())?;
     hits.for_each(|hit| bodies.extend(of_hit(hit)));
@@ -421,7 +417,7 @@ struct Placed {
 }
 
 /// Ids as NumPy's own integers; none is ever as large as the sign.
-fn of_hit(hit: &SceneHit) -> [i64; 2] {
+pub(crate) fn of_hit(hit: &SceneHit) -> [i64; 2] {
     hit.bodies.map(|id| id.to_bits() as i64)
 }
 
@@ -452,7 +448,7 @@ impl Scene {
     }
 
     /// Asks with the scene locked, by whoever is to answer.
-    fn ask<T: Send + 'static>(
+    pub(crate) fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
         on: &Bound<'_, Executor>,

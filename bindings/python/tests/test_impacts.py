@@ -117,3 +117,41 @@ def test_what_is_no_motion_is_refused():
         pf.impacts(mesh, a_end=box)
     with pytest.raises(pf.PoseError, match="one pose"):
         pf.impacts(box, box, pose_end=np.stack([np.eye(4)] * 2))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_bodies_of_a_scene_that_move(threads):
+    box, scene = pf.Mesh(*pf._box()), pf.Scene()
+    arm, wall, door = (scene.add(box, placed(x, kind=np.float64), name=name) for name, x in [("arm", 0), ("wall", 3), ("door", 6)])
+    end = placed(6, kind=np.float64)
+    with pf.using(threads=threads):
+        found = scene.impacts("arm", end)
+        low, high = scene.count_impacts(arm, end)
+        some, first = scene.any_impact([arm], [end]), scene.first_impact("arm", end)
+    assert np.unique(found.bodies, axis=0).tolist() == [[arm, wall], [arm, door]]
+    assert found.bodies.shape == (len(found), 2) and (low, high) == (found.proven.sum(), len(found))
+    assert first.bodies == (arm, wall) and first.start == found.start.min() and first.proven
+    assert some.proven and some.bodies in {(arm, wall), (arm, door)}
+    # The scene is the same, and nothing has to move.
+    nobody = [], np.empty((0, 4, 4))
+    assert not scene.collides() and len(scene.impacts(*nobody)) == 0 and scene.first_impact(*nobody) is None
+    # As two meshes that are asked alone.
+    alone = pf.impacts(box, box, placed(3, kind=np.float64), pose_end=placed(-3, kind=np.float64))
+    of_wall = found.bodies[:, 1] == wall
+    assert sorted(map(sorted, found.pairs[of_wall].tolist())) == sorted(map(sorted, alone.pairs.tolist()))
+
+
+def test_bodies_that_cannot_move_are_refused():
+    box, scene = pf.Mesh(*pf._box()), pf.Scene()
+    body, other = (scene.add(box, placed(x, kind=np.float64)) for x in (0, 3))
+    end, bad = placed(1, kind=np.float64), np.full((4, 4), np.nan)
+    for ask in (scene.impacts, scene.first_impact, scene.any_impact, scene.count_impacts):
+        with pytest.raises(ValueError, match="two ends of its motion"):
+            ask([body, body], [end, end])
+        with pytest.raises(ValueError, match="2 poses were given for 1 bodies"):
+            ask([body], [end, end])
+        with pytest.raises(pf.PoseError):
+            ask(body, bad)
+    scene.remove(other)
+    with pytest.raises(pf.StaleBody):
+        scene.impacts(other, end)

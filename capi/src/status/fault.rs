@@ -189,6 +189,7 @@ impl From<pfront::Error> for Fault {
             Error::Motion(MotionError::Triangle { triangle }) => {
                 Self::of(PFRONT_MOTION, c"end").at(triangle)
             }
+            Error::TwoEnds { id } => Self::of(PFRONT_MOTION, c"ends").at(id.to_bits() as usize),
             Error::NotAPair { question } => Self::of(PFRONT_NULL, c"b").at(question),
             Error::StaleBody { id } => {
                 Self::of(PFRONT_STALE_BODY, c"body").at(id.to_bits() as usize)

@@ -35,6 +35,8 @@ question is about one instant, but for `impacts`. Touching counts, and there is 
       Scene.name, .names, .user_ids                         what bodies are called
       Scene.collides, .count, .pairs, .contacts             as of two meshes
       Scene.intersecting_bodies                             which bodies meet
+      Scene.impacts, .first_impact                          which faces of bodies meet while some move, and when
+      Scene.any_impact, .count_impacts                      whether any do, and how many
       Scene.distance                                        which body is nearest to one, and how far
       Scene.segment, .segment_first                         which faces of which bodies a segment meets
       Scene.inside                                          which bodies contain a point
@@ -53,6 +55,7 @@ question is about one instant, but for `impacts`. Touching counts, and there is 
       Gaps, Gaps.intervals, .pairs, .points, .distances     arrays with a row for each pose
       Impacts, Impacts.pairs, .start, .end, .proven         arrays with a row for each pair
       Impact, Impact.pair, .start, .end, .proven            one of them
+      SceneImpacts, SceneImpact                             those of a scene, with their bodies
       Ragged, Ragged.values, .offsets                       a list of pairs or contacts for each pose
       CheckReport, CheckReport.pairs, .allowed, .counts     of an assembly
       CheckReport.refused, .to_dict                         bodies that are no solids; columns, for pandas
@@ -96,13 +99,13 @@ from ._questions import (
     ContactPatch, Contacts, Gap, Gaps, Impact, Impacts, Part, Ragged, any_impact, collides, contacts, count,
     count_impacts, distance, first, first_impact, impacts, inside, overlap_volume, pairs, part, patches, relation, segment, segment_first, sweep,
 )  # fmt: skip
-from ._scene import Hits, Scene, SceneContacts, check
+from ._scene import Hits, Scene, SceneContacts, SceneImpact, SceneImpacts, check
 from ._settings import devices, explain, using
 from ._show import register, show
 
 __all__ = [
     "BlobError", "CheckReport", "CheckedPair", "ContactPatch", "ContactSize", "Contacts", "DeviceError", "Gap", "Gaps", "Hits", "Impact", "Impacts", "Mesh", "MeshError", "NotSolid",
-    "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "StaleBody", "any_impact", "bodies", "check", "collides", "compat", "contacts",
+    "Part", "PoseError", "Ragged", "Scene", "SceneContacts", "SceneImpact", "SceneImpacts", "StaleBody", "any_impact", "bodies", "check", "collides", "compat", "contacts",
     "count", "count_impacts", "devices", "distance", "explain", "first", "first_impact", "impacts", "inside", "load", "overlap_volume", "pairs", "part", "patches", "register", "relation",
     "segment", "segment_first", "show", "sweep", "using",
 ]  # fmt: skip

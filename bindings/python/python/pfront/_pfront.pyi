@@ -9,6 +9,7 @@ from ._questions import Progress, Relation
 __all__ = [
     "Executor", "adapters", "Model", "all", "any", "any_impact", "at_least", "contacts", "count", "count_impacts", "distance", "first",
     "first_impact", "forked", "impacts", "inside", "join", "overlap_volume", "patches", "read", "relation", "relations", "Scene",
+    "scene_any_impact", "scene_count_impacts", "scene_first_impact", "scene_impacts",
     "segment", "segment_first",
 ]
 
@@ -18,6 +19,8 @@ _Ids = npt.NDArray[np.int64]
 _Gaps = tuple[npt.NDArray[np.float64], _Ids, npt.NDArray[np.float64]]
 _Interval = tuple[float, float]
 _Impact = tuple[tuple[int, int], float, float]
+_SceneImpact = tuple[list[int], tuple[int, int], float, float]
+_SceneEnds = tuple[npt.NDArray[np.uint64], Any]
 _Motions = tuple["Model", "Model | None", "Model | None", "Model | None", tuple[Any, Any]]
 _Size = tuple[int, int, _Interval, _Interval]
 _Patch = tuple[int, bool, _Interval, _Interval, _Pairs, npt.NDArray[np.float64], _Pairs]
@@ -109,6 +112,12 @@ def segment(model: Model, ends: tuple[_Point, _Point], on: Executor) -> _Along: 
 def segment_first(
     model: Model, starts: npt.NDArray[np.float64], ends: npt.NDArray[np.float64], on: Executor
 ) -> tuple[_Ids, npt.NDArray[np.float64]]: ...
+def scene_impacts(
+    scene: Scene, ends: _SceneEnds, on: Executor
+) -> tuple[_Ids, _Pairs, npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def scene_first_impact(scene: Scene, ends: _SceneEnds, on: Executor) -> _SceneImpact | None: ...
+def scene_any_impact(scene: Scene, ends: _SceneEnds, on: Executor) -> _SceneImpact | None: ...
+def scene_count_impacts(scene: Scene, ends: _SceneEnds, on: Executor) -> tuple[int, int]: ...
 def impacts(motions: _Motions, within: float, on: Executor) -> tuple[_Pairs, npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 def first_impact(motions: _Motions, within: float, on: Executor) -> _Impact | None: ...
 def any_impact(motions: _Motions, within: float, on: Executor) -> _Impact | None: ...

@@ -18,10 +18,10 @@ from ._check import CheckedPair, CheckReport, ContactSize
 from ._errors import NotSolid, StaleBody
 from ._mesh import Mesh, MeshLike, Path, bodies
 from ._poses import OnePose, Pose, Poses, SomePoses
-from ._questions import Contacts, Gap, Gaps, Relation
+from ._questions import Contacts, Gap, Gaps, Impact, Impacts, Relation
 from ._settings import current
 
-__all__ = ["Scene", "Hits", "SceneContacts", "check"]
+__all__ = ["Scene", "Hits", "SceneContacts", "SceneImpact", "SceneImpacts", "check"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,6 +79,32 @@ class SceneContacts(Contacts):
     def to_dict(self) -> dict[str, npt.NDArray[Any]]:
         """Columns by their names: those of `Contacts.to_dict`, after ``body_a`` and ``body_b``."""
         return {"body_a": self.bodies[:, 0], "body_b": self.bodies[:, 1], **super().to_dict()}
+
+
+@dataclass(frozen=True)
+class SceneImpact(Impact):
+    """When two faces of bodies meet first: `Impact`, and the `bodies`.
+
+    Attributes
+    ----------
+    bodies : (int, int)
+        The ids of both bodies, the one that was added first before the other.
+    """
+
+    bodies: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SceneImpacts(Impacts):
+    """Pairs of faces of bodies that meet on the way, and when: `Impacts`, and the `bodies` of each.
+
+    Attributes
+    ----------
+    bodies : ndarray of int64, shape (n, 2)
+        The ids of both bodies; pairs are sorted by these first.
+    """
+
+    bodies: npt.NDArray[np.int64]
 
 
 class Scene:
@@ -352,6 +378,69 @@ class Scene:
         bodies, found = self._scene.contacts(current())
         return SceneContacts(*found, bodies)
 
+    def impacts(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpacts:
+        """Find the faces of bodies that meet while some of these move, and when: body ``bodies[i]`` goes to ``poses[i]``.
+
+        All others stay where they are, and the scene is the same afterwards. Every vertex goes in a straight line, from its place at time 0 to
+        that at time 1, also where a pose turns. No pair is missed. In a ``Scene(within=d)`` pairs are those that come so near on the way.
+
+        Parameters
+        ----------
+        bodies, poses
+            As for `set_poses`.
+
+        Returns
+        -------
+        SceneImpacts
+            Pairs, sorted, with the time before which each does not meet and that before which it certainly does. CPUs answer.
+
+        Raises
+        ------
+        StaleBody, PoseError
+            If a body is not there, or a pose is not finite.
+        ValueError
+            If a body is given twice, or there are not as many poses as bodies.
+
+        Examples
+        --------
+        >>> import numpy as np, pfront as pf
+        >>> box, pose = pf.Mesh(*pf._box()), np.eye(4)
+        >>> scene = pf.Scene()
+        >>> for name, x in [("arm", 0), ("wall", 2), ("door", 5)]:
+        ...     pose[0, 3] = x
+        ...     _ = scene.add(box, pose, name=name)
+        >>> pose[0, 3] = 4  # through the wall, up to the door
+        >>> found = scene.impacts("arm", pose)
+        >>> scene.names(np.unique(found.bodies, axis=0))
+        [['arm', 'wall'], ['arm', 'door']]
+        >>> first = scene.first_impact("arm", pose)
+        >>> scene.names(first.bodies), first.start <= 0.25 <= first.end
+        (['arm', 'wall'], True)
+        >>> low, high = scene.count_impacts("arm", pose)
+        >>> high == len(found), low == int(found.proven.sum()), scene.any_impact("arm", pose).proven
+        (True, True, True)
+        """
+        found, *rest = _pfront.scene_impacts(self._scene, self._ends(bodies, poses), current())
+        return SceneImpacts(*rest, found)
+
+    def first_impact(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpact | None:
+        """Find the faces that meet first while bodies move, by the time, then by the bodies and the pair; all else as for `impacts`."""
+        return _impact(_pfront.scene_first_impact(self._scene, self._ends(bodies, poses), current()))
+
+    def any_impact(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpact | None:
+        """Find some faces that meet while bodies move, and stop at the first that certainly do; all else as for `impacts`.
+
+        It is proven if any of `impacts` is. Other numbers of threads may find another.
+        """
+        return _impact(_pfront.scene_any_impact(self._scene, self._ends(bodies, poses), current()))
+
+    def count_impacts(self, bodies: npt.ArrayLike, poses: Pose) -> tuple[int, int]:
+        """Count the pairs of `impacts`: how many are proven, and how many there are. No list is kept."""
+        return _pfront.scene_count_impacts(self._scene, self._ends(bodies, poses), current())
+
+    def _ends(self, bodies: Any, poses: Pose) -> tuple[npt.NDArray[np.uint64], Pose]:
+        return _ids(self._numbers(bodies)), poses
+
     def distance(self, body: int | str, *, limit: float | None = None) -> tuple[int, Gap] | None:
         """Find the body that is nearest to one, and their smallest distance in the world, 0 if they intersect.
 
@@ -592,6 +681,10 @@ def _stale(id: int, at: int | None = None) -> StaleBody:
     error = StaleBody(f"body {id} is not in the scene: ids are 0 and more, in the order of adding")
     error.pose = at
     return error
+
+
+def _impact(found: tuple[list[int], tuple[int, int], float, float] | None) -> SceneImpact | None:
+    return found and SceneImpact(*found[1:], (found[0][0], found[0][1]))
 
 
 def _ends(start: Any, end: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
