@@ -393,7 +393,7 @@ fn segments() {
                     for posed in &poses {
                         _ = segment.visit(posed, |_| Continue(()));
                         black_box(segment.first([*posed]));
-                        black_box(rule.inside(posed, end));
+                        _ = black_box(rule.inside(posed, end));
                     }
                 }
             }
