@@ -233,7 +233,8 @@ impl Pool {
         Ok(())
     }
 
-    /// Sorts a list, equal items in any order, by keys that compare in every floating-point environment as integers do, on all threads if it is long enough for that.
+    /// Sorts a list, equal items in any order, on all threads of the rayon pool if it is long enough for that. Keys are compared in the floating-point
+    /// environment of whichever thread does, so that they had better be integers.
     ///
     /// # Examples
     /// ```

@@ -238,7 +238,7 @@ impl GpuQuery {
         Ok(Self { runner, asked: None, verb: GpuVerb::All })
     }
 
-    /// All pairs that meet, sorted, in the memory that the device has written where it can be. Verbs that wait are there natively;
+    /// All pairs that meet, sorted, in the memory that the device has written where it can be: that stays mapped until the next question. Verbs that wait are there natively;
     /// on the web [`GpuQuery::read`] does.
     ///
     /// # Errors
@@ -286,7 +286,7 @@ impl GpuQuery {
     }
 
     /// Records a question into an encoder of the caller's, to be submitted with other work. An encoder whose answer was not
-    /// read may still be submitted, before the one that is read.
+    /// read may still be submitted, before the one that is read, and not while [`GpuQuery::all`] shows its list.
     ///
     /// # Errors
     /// As [`GpuQuery::all`].

@@ -10,7 +10,7 @@ use crate::{Gpu, GpuError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use wgpu::{Buffer, CommandBuffer, CommandEncoder};
 
-/// One way of it, which is taken again and again.
+/// A refit by the same dispatches to positions from one place, whose commands are recorded again for each frame.
 #[derive(Debug)]
 pub(crate) struct Refit {
     gpu: Gpu,

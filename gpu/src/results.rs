@@ -57,11 +57,15 @@ pub(crate) struct MappedHits {
 
 /// A mapped buffer, which is unmapped at the end.
 #[derive(Debug)]
-struct Mapped(Buffer);
+struct Mapped(Gpu, Buffer);
 
 impl Drop for Mapped {
     fn drop(&mut self) {
-        self.0.unmap();
+        // If the device was lost since, there is nothing to unmap.
+        let _ = self.0.checked(|| {
+            self.1.unmap();
+            Ok(())
+        });
     }
 }
 
@@ -119,8 +123,9 @@ impl Run {
     }
 
     /// The results by what the host has mapped, and the first vertex outside of its box.
-    fn found(&self, view: BufferView) -> Result<(Found, Option<u32>), GpuError> {
-        let (mapped, hits_at) = (Mapped(self.read_back.clone()), self.hits_at as usize);
+    fn found(&self, gpu: &Gpu, view: BufferView) -> Result<(Found, Option<u32>), GpuError> {
+        let mapped = Mapped(gpu.clone(), self.read_back.clone());
+        let hits_at = self.hits_at as usize;
         let mut hits = MappedHits { view, bytes: hits_at..hits_at, _mapped: mapped };
         let bytes: &[u8] = &hits.view;
         let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..size_of::<Counters>()]);
@@ -262,7 +267,7 @@ impl ReadBack {
         let begin = || Mapping::begin(device, &run.read_back, bytes, MapMode::Read);
         let reading = mapping.get_or_insert_with(begin);
         let view = reading.view(device, &run.read_back, bytes, cancel).await;
-        let found = view.and_then(|view| run.found(view));
+        let found = view.and_then(|view| run.found(gpu, view));
         if !matches!(found, Err(GpuError::Cancelled)) {
             // Else the next run takes another buffer, as it does where nobody awaits this to the end.
             *mapping = None;

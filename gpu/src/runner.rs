@@ -13,6 +13,7 @@ use crate::engine::Engine;
 use crate::layout::{Counters, InstancePair, Query, Rest};
 use crate::memory::reserve;
 use crate::read::read_now;
+use crate::refit::Refit;
 use crate::results::{Found, MappedHits, Run};
 use crate::task::{Entry, GpuVerb, Start, Task};
 use crate::{GpuError, GpuReport, totals, wear};
@@ -20,6 +21,7 @@ use pfront_core::bvtt::TrianglePair;
 use pfront_core::triangle::{Adjacency, intersects, intersects_in_mesh};
 use pfront_core::{Mesh, Pose};
 use pfront_shaders::constants::{HIT_OVERFLOW, LEAF, REST_OVERFLOW};
+use std::sync::Arc;
 use wgpu::CommandEncoder;
 
 /// A front this long is split rather than refined. Its children fit in the least front.
@@ -172,11 +174,16 @@ impl Runner {
     }
 
     /// Records the commands of a question again while it is on the device, and those of the refits before it.
-    fn record_ahead(&mut self, asked: &Asked, verb: GpuVerb) -> Result<(), GpuError> {
+    fn record_ahead(
+        &mut self,
+        asked: &Asked,
+        refits: &[Option<Arc<Refit>>; 2],
+        verb: GpuVerb,
+    ) -> Result<(), GpuError> {
         if !asked.may_repeat || self.engine.read_back.is_done(&asked.run)? {
             return Ok(());
         }
-        self.engine.refits.iter().flatten().for_each(|refit| refit.record_ahead());
+        refits.iter().flatten().for_each(|refit| refit.record_ahead());
         // Times are those of the last run that was recorded.
         if self.ahead.is_some() || self.engine.clock.is_some() {
             return Ok(());
@@ -243,7 +250,9 @@ impl Runner {
     /// Takes the results of what has been recorded, and sees to it that they are complete.
     pub(crate) async fn finish(&mut self, asked: Asked, verb: GpuVerb) -> Result<(), GpuError> {
         self.reset();
-        self.record_ahead(&asked, verb)?;
+        // An idle query holds no mesh that has gone.
+        let refits = std::mem::take(&mut self.engine.refits);
+        self.record_ahead(&asked, &refits, verb)?;
         let Asked { task, parts: mut waiting, mut run, .. } = asked;
         let task = &task;
         let mut part = waiting.pop().unwrap_or_default();
@@ -411,9 +420,10 @@ impl Runner {
         if let Some(hits) = brought {
             let is_alone = counters.rest == 0 && self.late.is_empty();
             let is_shown = is_whole && is_alone && verb == GpuVerb::All;
-            match is_shown && hits.list().is_some() {
-                true => self.engine.read_back.shown = Some(hits),
-                false => hits.copy(&mut self.pairs)?,
+            if is_shown && hits.list().is_some() {
+                self.engine.read_back.shown = Some(hits);
+            } else {
+                hits.copy(&mut self.pairs)?;
             }
         } else if is_listed {
             let count = counters.hits as usize;

@@ -71,7 +71,7 @@ fn a_certain_pair_comes_before_open_ones() {
     let floor = soup(tiles(12, 0.0));
     let (start, end) = (tiles(12, -1.5), tiles(12, 1.5));
     let rest = Motion::at_rest(&floor);
-    for certain in [None, Some(0), Some(11)] {
+    for certain in [None, Some(0), Some(5), Some(11)] {
         let (mut start, mut end) = (start.clone(), end.clone());
         if let Some(tile) = certain {
             start[tile] = start[tile].map(|[x, y, _]| [x + 1.5, y, 1.0]);

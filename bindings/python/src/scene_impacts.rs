@@ -1,6 +1,7 @@
 //! Triangles of bodies of a scene that meet while some of these move.
 
 use crate::arrays::{list, pair_array, table};
+use crate::errors::exception;
 use crate::executor::Executor;
 use crate::memory;
 use crate::poses::one_for_each;
@@ -31,7 +32,8 @@ fn asked<T: Send + 'static>(
     verb: Verb<T>,
 ) -> PyResult<T> {
     let (ids, poses, _) = one_for_each(py, &ids, &poses)?;
-    let ends: Vec<_> = ids.into_iter().map(BodyId::from_bits).zip(poses).collect();
+    let ends = ids.into_iter().map(BodyId::from_bits).zip(poses);
+    let ends = memory::collect(ends).map_err(|error| exception(py, error, None))?;
     scene.ask(py, on, move |query| verb(query, &ends))
 }
 
@@ -47,16 +49,15 @@ pub fn scene_impacts(
     ends: Ends<'_>,
     on: &Bound<'_, Executor>,
 ) -> PyResult<Arrays> {
-    let (found, bodies, pairs) = asked(py, scene, ends, on, |query, ends| {
+    let (bodies, pairs, from, to) = asked(py, scene, ends, on, |query, ends| {
         let found = query.impacts(ends)?;
         let bodies = bodies_of(found.iter().map(|(hit, _)| hit))?;
         let pairs = memory::collect(found.iter().map(|(hit, _)| hit.pair))?;
-        Ok((found, bodies, pairs))
+        let times = |of: fn(&Impact) -> f64| memory::collect(found.iter().map(|hit| of(&hit.1)));
+        Ok((bodies, pairs, times(|impact| impact.from)?, times(|impact| impact.to)?))
     })?;
-    let times = |of: fn(&Impact) -> f64| found.iter().map(|(_, impact)| of(impact)).collect();
-    let (from, to) = (times(|impact| impact.from), times(|impact| impact.to));
     Ok((
-        table(py, bodies, found.len(), 2)?,
+        table(py, bodies, pairs.len(), 2)?,
         pair_array(py, pairs)?,
         list::<f64>(py, from),
         list::<f64>(py, to),

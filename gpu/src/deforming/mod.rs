@@ -398,6 +398,7 @@ impl Deforming {
         self.model.bounds = self.model.bounds.map(|_| extent.aabb());
         // The host has seen all of them.
         self.taken.clear();
+        self.model.refit = None;
         if self.model.outside.take().is_some() {
             self.model.id = GpuModel::next_id();
         }

@@ -47,7 +47,7 @@ impl WorldAnswer {
             reserve(&mut self.hits, runner.pairs().len())?;
             each_list(runner, &pairs[first..], shift, |bodies, hits| {
                 self.hits.extend(hits.iter().map(|&hit| (bodies, hit)));
-            });
+            })?;
             return Ok(());
         }
         let rows = &runner.instances;
@@ -73,13 +73,15 @@ pub(super) fn each_list(
     pairs: &[BodyPair],
     shift: u32,
     mut visit: impl FnMut(BodyPair, &[TrianglePair]),
-) {
+) -> Result<(), GpuError> {
     let mut named = Vec::new();
     // The hits of a block of ids follow each other.
     for hits in runner.pairs().chunk_by(|x, y| x.a >> shift == y.a >> shift) {
         let row = &runner.instances[(hits[0].a >> shift) as usize];
         named.clear();
+        reserve(&mut named, hits.len())?;
         named.extend(hits.iter().map(|hit| TrianglePair { a: hit.a - row.first_id, b: hit.b }));
         visit(pairs[row.number as usize], &named);
     }
+    Ok(())
 }

@@ -224,7 +224,7 @@ impl World {
     }
 
     /// Calls back with the hits of each pair of bodies that has any, as [`World::all`] lists them, in one call or a few, in
-    /// the order of `pairs`. Needs no list of its own.
+    /// the order of `pairs`. Needs no list of all of them.
     ///
     /// # Errors
     /// As [`World::all`].
@@ -236,8 +236,7 @@ impl World {
         self.submit(pairs, GpuVerb::All)?;
         let take =
             |_: &mut WorldAnswer, runner: &mut Runner, pairs: &[BodyPair], first, shift, _| {
-                answer::each_list(runner, &pairs[first..], shift, &mut visit);
-                Ok(())
+                answer::each_list(runner, &pairs[first..], shift, &mut visit)
             };
         pollster::block_on(self.finish(take)).map(drop)
     }
@@ -398,6 +397,7 @@ impl World {
             report.join(&self.runner.report);
             (hits, most_hits) = (hits + self.runner.count, most_hits.max(self.runner.count));
             take(&mut self.found, &mut self.runner, &pairs, first, shift, verb)?;
+            self.runner.engine.read_back.shown = None;
             let is_over = verb == GpuVerb::Any && self.found.count != 0;
             let next = next.filter(|_| !is_over);
             if next.is_some() && self.runner.engine.is_cancelled() {

@@ -489,3 +489,21 @@ fn a_lost_device_is_an_error_and_another_goes_on() {
         .to_vec();
     assert_eq!(found, truth(&ball, &ball, &pose));
 }
+
+/// The list of one query is still mapped when another finds that the device is lost.
+#[test]
+fn a_list_outlives_the_device() {
+    let lost = Gpu::new().unwrap();
+    let ball = both(&sphere(12));
+    let model = GpuModel::new(&lost, ball.bvh()).unwrap();
+    let [mut first, mut second] = [0; 2].map(|_| GpuQuery::new(&lost).unwrap());
+    let pose = Pose::from_translation([0.3, 0.0, 0.0]);
+    let question = GpuQuestion::pair(&model, &model, &pose);
+    let shown = first.all(&question).unwrap();
+    lost.device().destroy();
+    let error = second.all(&question).unwrap_err();
+    assert!(matches!(error, GpuError::DeviceLost { .. }), "{error:?}");
+    assert_eq!(shown, truth(&ball, &ball, &pose));
+    assert!(first.all(&question).is_err());
+    drop((first, second));
+}

@@ -883,7 +883,7 @@ class Impacts:
         return len(self.pairs)
 
     def __repr__(self) -> str:
-        return f"Impacts({len(self)} pairs)"
+        return f"{type(self).__name__}({len(self)} pairs)"
 
 
 def _end(mesh: MeshLike, end: Any) -> _pfront.Model | None:

@@ -386,8 +386,10 @@ class Scene:
 
         Parameters
         ----------
-        bodies, poses
-            As for `set_poses`.
+        bodies : id or name, or array_like of these
+            Those that move, each once.
+        poses
+            The pose of each at time 1, as for `set_poses`; at time 0 they are where they are.
 
         Returns
         -------
@@ -420,25 +422,25 @@ class Scene:
         >>> high == len(found), low == int(found.proven.sum()), scene.any_impact("arm", pose).proven
         (True, True, True)
         """
-        found, *rest = _pfront.scene_impacts(self._scene, self._ends(bodies, poses), current())
+        found, *rest = _pfront.scene_impacts(self._scene, self._moving(bodies, poses), current())
         return SceneImpacts(*rest, found)
 
     def first_impact(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpact | None:
         """Find the faces that meet first while bodies move, by the time, then by the bodies and the pair; all else as for `impacts`."""
-        return _impact(_pfront.scene_first_impact(self._scene, self._ends(bodies, poses), current()))
+        return _impact(_pfront.scene_first_impact(self._scene, self._moving(bodies, poses), current()))
 
     def any_impact(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpact | None:
         """Find some faces that meet while bodies move, and stop at the first that certainly do; all else as for `impacts`.
 
         It is proven if any of `impacts` is. Other numbers of threads may find another.
         """
-        return _impact(_pfront.scene_any_impact(self._scene, self._ends(bodies, poses), current()))
+        return _impact(_pfront.scene_any_impact(self._scene, self._moving(bodies, poses), current()))
 
     def count_impacts(self, bodies: npt.ArrayLike, poses: Pose) -> tuple[int, int]:
         """Count the pairs of `impacts`: how many are proven, and how many there are. No list is kept."""
-        return _pfront.scene_count_impacts(self._scene, self._ends(bodies, poses), current())
+        return _pfront.scene_count_impacts(self._scene, self._moving(bodies, poses), current())
 
-    def _ends(self, bodies: Any, poses: Pose) -> tuple[npt.NDArray[np.uint64], Pose]:
+    def _moving(self, bodies: Any, poses: Pose) -> tuple[npt.NDArray[np.uint64], Pose]:
         return _ids(self._numbers(bodies)), poses
 
     def distance(self, body: int | str, *, limit: float | None = None) -> tuple[int, Gap] | None:
