@@ -110,22 +110,20 @@ pub(crate) fn run(replay: &Replay) -> Result<bool> {
         let begun = Clock::now();
         player.update(frame).with_context(|| format!("frame {number}"))?;
         let updated = Clock::now();
-        let (count, found) = match replay.mode {
-            Mode::All => {
-                let found = player.all()?;
-                (found.len(), found)
-            }
-            Mode::Any => (usize::from(player.any()?), &[][..]),
+        let count = match replay.mode {
+            Mode::All => player.find()?,
+            Mode::Any => usize::from(player.any()?),
         };
         let [query, query_cpu] = Clock::now().since(updated);
         let [update, update_cpu] = updated.since(begun);
         write!(out, "FRAME\t{number}\t{update:.6}\t{query:.6}\t{count}")?;
         writeln!(out, "\t{update_cpu:.6}\t{query_cpu:.6}")?;
-        if let Some(pairs) = &mut pairs {
-            pairs.frame(found).context("cannot write the pairs")?;
-        }
         if let Some(plan) = player.plan() {
             *plans.entry(plan.backend.to_string()).or_default() += 1;
+        }
+        if let Some(pairs) = &mut pairs {
+            // The query has kept them; to number them as a pair file does is none of its work.
+            pairs.frame(player.all()?).context("cannot write the pairs")?;
         }
         bar.inc(1);
     }
