@@ -104,7 +104,7 @@ fn corners_are_those_of_the_oracle_in_every_order() {
     }
     if !cfg!(miri) {
         let all = [dimensions[0], dimensions[1], dimensions[2], proper, apart];
-        assert!(all.iter().all(|&count| count > 2_000), "{all:?}");
+        assert!(all.iter().all(|&count| count > 600), "{all:?}");
     }
 }
 
