@@ -422,8 +422,8 @@ class Scene:
         >>> high == len(found), low == int(found.proven.sum()), scene.any_impact("arm", pose).proven
         (True, True, True)
         """
-        found, *rest = _pfront.scene_impacts(self._scene, self._moving(bodies, poses), current())
-        return SceneImpacts(*rest, found)
+        found, pairs, start, end = _pfront.scene_impacts(self._scene, self._moving(bodies, poses), current())
+        return SceneImpacts(pairs, start, end, found)
 
     def first_impact(self, bodies: npt.ArrayLike, poses: Pose) -> SceneImpact | None:
         """Find the faces that meet first while bodies move, by the time, then by the bodies and the pair; all else as for `impacts`."""
@@ -686,7 +686,10 @@ def _stale(id: int, at: int | None = None) -> StaleBody:
 
 
 def _impact(found: tuple[list[int], tuple[int, int], float, float] | None) -> SceneImpact | None:
-    return found and SceneImpact(*found[1:], (found[0][0], found[0][1]))
+    if found is None:
+        return None
+    (a, b), pair, start, end = found
+    return SceneImpact(pair, start, end, (a, b))
 
 
 def _ends(start: Any, end: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
