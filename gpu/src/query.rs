@@ -238,8 +238,8 @@ impl GpuQuery {
         Ok(Self { runner, asked: None, verb: GpuVerb::All })
     }
 
-    /// All pairs that meet, sorted, in the memory that the device has written where it can be: that stays mapped until the next question. Verbs that wait are there natively;
-    /// on the web [`GpuQuery::read`] does.
+    /// All pairs that meet, sorted, in the memory that the device has written where it can be: that stays mapped until the next question.
+    /// Verbs that wait are there natively; on the web [`GpuQuery::read`] does.
     ///
     /// # Errors
     /// [`GpuError::Pose`] if the pose is not finite or takes its model out of range; [`GpuError::Coordinate`]; [`GpuError::InF64`],

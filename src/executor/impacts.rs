@@ -73,21 +73,21 @@ impl AnyMovingBvtt<'_> {
 /// The impact of what intersects from the start on.
 pub(crate) const AT_START: Impact = Impact { from: 0.0, to: 0.0 };
 
-/// Whether this is for tests, whose meshes are small: all numbers below are smaller then, so that such meshes are divided too.
-const IS_TEST: bool = cfg!(debug_assertions);
+/// Whether debug assertions are on, as in tests, whose meshes are small: all numbers below are smaller then, so that such meshes are divided too.
+const IS_DEBUG: bool = cfg!(debug_assertions);
 
 /// Node pairs of all fronts: enough for every thread.
-const FRONT: usize = if IS_TEST { 64 } else { 4096 };
+const FRONT: usize = if IS_DEBUG { 64 } else { 4096 };
 
 /// Tests below a node pair of a front after which several threads make a front of what is left, since where much meets one node pair may have
 /// a tenth of all work.
-const BUDGET: u64 = if IS_TEST { 64 } else { 4096 };
+const BUDGET: u64 = if IS_DEBUG { 64 } else { 4096 };
 
 /// Node pairs that are worth a call of another thread.
-const LEAST: usize = if IS_TEST { 2 } else { 16 };
+const LEAST: usize = if IS_DEBUG { 2 } else { 16 };
 
 /// Node pairs that one thread looks at before it divides what may end early: a walk down two trees of a million triangles takes half of them.
-const ALONE: usize = if IS_TEST { 4 } else { 64 };
+const ALONE: usize = if IS_DEBUG { 4 } else { 64 };
 
 /// A node pair below which a tree is visited.
 struct Below<'t, 'q> {
@@ -309,7 +309,7 @@ fn is_whole(executor: &Executor) -> bool {
 ///
 /// # Errors
 /// As [`impacts`].
-pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Send + Sync>(
+pub(crate) fn first_impact<'q, F: Named, S: Copy + PartialEq + Sync>(
     history: &mut History<F::Name>,
     subjects: &[MovingSubject<S>],
     tree: impl Fn(S) -> Option<(F::Name, AnyMovingBvtt<'q>)> + Sync,

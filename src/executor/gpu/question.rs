@@ -4,7 +4,7 @@ use crate::gpu::{GpuError, GpuModel, GpuQuestion};
 use crate::model::Outline;
 use crate::subject::Subject;
 use crate::{AnyPose, Distance, Error, Model, Pose};
-use pfront_core::bvtt::PairBvtt;
+use pfront_core::bvtt::{AnyBvtt, PairBvtt};
 use std::borrow::Borrow;
 
 impl<M: Borrow<Model>> Subject<M> {
@@ -25,13 +25,12 @@ impl<M: Borrow<Model>> Subject<M> {
         &'q self,
         outlines: &'q [Outline; 2],
     ) -> Result<Option<PairBvtt<'q>>, Error> {
-        let Self::Pair { models, a_from_b, within } = self else { return Ok(None) };
-        if self.pair_in_f32().is_some() && *within == Distance::default() {
+        let is_itself = matches!(self, Self::Itself { .. });
+        if is_itself || self.pair_in_f32().is_some() && self.distance() == Distance::default() {
             return Ok(None);
         }
-        let [a, b] = models.each_ref().map(|model| model.borrow());
-        let bvhs = [a.outline(&outlines[0]), b.outline(&outlines[1])];
-        Ok(Some(a_from_b.pair(bvhs)?.within(*within)))
+        let AnyBvtt::Pair(tree) = self.untraversed(outlines)? else { return Ok(None) };
+        Ok(Some(tree.within(self.distance())))
     }
 
     /// The question for a GPU that has [`Subject::both`] models.
