@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 /// Asks which triangles of one model meet each other; each unordered pair is reported once, with
 /// `a < b`.
 ///
-/// Make one for each model that is asked about every frame: it keeps what [`crate::PairQuery`] does. Two
+/// Make one for each model that is asked about every frame: it keeps, and takes, what [`crate::PairQuery`] does. Two
 /// triangles have no contact in a vertex or an edge that they share by index.
 ///
 /// # Examples
@@ -40,6 +40,17 @@ impl SelfQuery {
     }
 
     /// The same with another rule for triangles that share a vertex.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Adjacency, Model, SelfQuery};
+    /// // Two triangles with a common corner, which cross beyond it.
+    /// let points = vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.0, 2.0, -1.0], [1.0, 1.0, 1.0]];
+    /// let model = Model::new(points, vec![[0, 1, 2], [0, 3, 4]])?;
+    /// assert_eq!(SelfQuery::new().count(&model)?, 1);
+    /// assert_eq!(SelfQuery::new().with_adjacency(Adjacency::SkipNeighbours).count(&model)?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     #[must_use]
     pub fn with_adjacency(self, adjacency: Adjacency) -> Self {
         Self { adjacency, ..self }
@@ -123,7 +134,8 @@ impl SelfQuery {
     /// All pairs that meet, sorted.
     ///
     /// # Errors
-    /// `Error::Gpu` if a GPU fails that is to answer everything; on CPU threads there is none.
+    /// [`Error::Cancelled`] by the flag of [`Executor::with_cancel`]; [`Error::Memory`]; `Error::Gpu` if a GPU fails that is to answer
+    /// everything.
     pub fn all(&mut self, model: &Model) -> Result<&[TrianglePair], Error> {
         let subject = self.subject(model);
         self.query.all(&subject)
@@ -149,11 +161,30 @@ impl SelfQuery {
 
     /// Calls `visit` for each pair that meets, in no particular order, until it breaks. Uses no
     /// buffer at all and only the calling thread, whatever the executor; `visit` runs in the caller's floating-point environment.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] by the flag of the executor; the pairs visited until then are true.
+    ///
+    /// # Examples
+    /// ```
+    /// use pfront::{Model, SelfQuery};
+    /// use std::ops::ControlFlow;
+    /// // Two triangles that cross.
+    /// let points = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [1.0, 1.0, 1.0]];
+    /// let model = Model::new(points, vec![[0, 1, 2], [3, 4, 5]])?;
+    /// let mut found = None;
+    /// let end = SelfQuery::new().visit(&model, |pair| {
+    ///     found = Some(pair);
+    ///     ControlFlow::Break(())
+    /// })?;
+    /// assert!(end.is_break() && found.is_some_and(|pair| (pair.a, pair.b) == (0, 1)));
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn visit(
         &mut self,
         model: &Model,
         visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
+    ) -> Result<ControlFlow<()>, Error> {
         let tree = with_default(|| itself(model, self.adjacency, self.within));
         self.query.visit(&tree, visit)
     }

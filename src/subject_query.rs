@@ -12,7 +12,7 @@ use crate::patches::vertices::Vertices;
 use crate::patches::{ContactPatch, assemble};
 use crate::subject::{Key, Subject};
 use crate::{AnyPose, Contact, Distance, Error, Model, Pose64, Scalar, Solid, TrianglePair};
-use pfront_core::bvtt::{AnyBvtt, Gap, Query};
+use pfront_core::bvtt::{AnyBvtt, Gap};
 use pfront_core::relation::{Between, RelationQuery, Seen, seen_bound};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -237,14 +237,23 @@ impl SubjectQuery {
     }
 
     /// Visits all pairs on the calling thread, in the floating-point environment of the caller, until `visit` breaks.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
     pub(crate) fn visit(
         &mut self,
         tree: &AnyBvtt<'_>,
         mut visit: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
+    ) -> Result<ControlFlow<()>, Error> {
         self.history.note_cpu(Backend::Sequential);
-        let callers = Environment::current();
-        with_default(|| tree.visit(&mut tree.start(), |pair| callers.run(|| visit(pair))))
+        let (callers, mut end) = (Environment::current(), ControlFlow::Continue(()));
+        with_default(|| {
+            search(tree, self.history.executor().cancel_flag(), |pair| {
+                end = callers.run(|| visit(pair));
+                end
+            })
+        })?;
+        Ok(end)
     }
 }
 

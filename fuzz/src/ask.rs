@@ -112,7 +112,7 @@ fn of_two(
 
 fn of_one(query: &mut SelfQuery, model: &Model, ask: Ask) -> Result<Answers<TrianglePair>, Error> {
     let mut visited = Vec::new();
-    let _ = query.visit(model, first_few(&mut visited, ask));
+    let _ = query.visit(model, first_few(&mut visited, ask))?;
     let (any, count) = (query.any(model)?, query.count(model)?);
     let contacts = query.contacts(model)?.to_vec();
     Ok(Answers { all: query.all(model)?.to_vec(), count, any, visited, contacts })

@@ -88,7 +88,11 @@ impl SceneQuery {
         with_default(|| {
             let segment = Segment::new(from, to)?;
             let places = self.places_around(segment.points())?;
-            let first = segment.first(self.bodies_at(&places).map(Body::placed));
+            let flag = self.history.executor().cancel_flag();
+            let not_cancelled = |_: &&Body| executor::check(flag).is_ok();
+            let bodies = self.bodies_at(&places).take_while(not_cancelled);
+            let first = segment.first(bodies.map(Body::placed));
+            executor::check(flag)?;
             let body = |number| self.bodies_at(&places).nth(number).map(Body::id);
             Ok(first.and_then(|(number, hit)| Some((body(number)?, hit))))
         })

@@ -134,7 +134,7 @@ fn of_queries_about_one_model_or_two() {
         query.all(&model).unwrap();
         query.all(&model).unwrap();
         assert_eq!(query.plan().unwrap().backend, Backend::Cached);
-        let _ = query.visit(&model, |_| ControlFlow::Break(()));
+        let _ = query.visit(&model, |_| ControlFlow::Break(())).unwrap();
         assert_eq!(query.plan().unwrap().backend, Backend::Sequential);
     }
 }

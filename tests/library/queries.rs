@@ -242,7 +242,7 @@ fn within(soup: &MeshData) -> usize {
             assert_eq!(query.count(model).unwrap(), truth.len() as u64);
             assert_eq!(query.all(model).unwrap(), truth);
             for stop in [1, 2, truth.len().max(1), usize::MAX] {
-                stops(truth, stop, |visit| query.visit(model, visit));
+                stops(truth, stop, |visit| query.visit(model, visit).unwrap());
             }
             pages(&bvtt::SelfBvtt::new(model.bvh()).with_adjacency(adjacency), truth);
         }

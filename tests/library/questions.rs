@@ -156,7 +156,7 @@ fn who_answers() -> Vec<Vec<String>> {
                     "all" => query.all(model).map(drop).unwrap(),
                     "count" => query.count(model).map(drop).unwrap(),
                     "contacts" => query.contacts(model).map(drop).unwrap(),
-                    _ => _ = query.visit(model, |_| ControlFlow::Continue(())),
+                    _ => query.visit(model, |_| ControlFlow::Continue(())).map(drop).unwrap(),
                 }
                 backend(query.plan())
             };

@@ -166,6 +166,7 @@ fn within(named: &mut Named, kind: &str, model: &Model, on: &Executor) {
                 count += 1;
                 ControlFlow::Continue(())
             })
+            .unwrap()
             .is_continue()
     );
     add("visit", Answer::Count(count));
@@ -375,7 +376,7 @@ pub(crate) fn seen_by_visitors(subjects: &Subjects) -> ([u32; 4], [u32; 4]) {
         ControlFlow::Continue(())
     };
     let _ = PairQuery::new().visit(a, b, Pose::IDENTITY, |_| visit(0)).unwrap();
-    let _ = SelfQuery::new().visit(a, |_| visit(1));
+    let _ = SelfQuery::new().visit(a, |_| visit(1)).unwrap();
     let mut scene = SceneQuery::new();
     for model in [a, b] {
         scene.add(model.clone(), Pose::IDENTITY).unwrap();

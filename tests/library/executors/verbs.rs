@@ -71,7 +71,7 @@ impl Verbs for Within<'_> {
     }
 
     fn visited(&mut self) -> Vec<TrianglePair> {
-        sorted(|visit| self.0.visit(self.1, visit))
+        sorted(|visit| self.0.visit(self.1, visit).unwrap())
     }
 }
 

@@ -75,7 +75,7 @@ pub(crate) struct Between<'q>(
 pub(crate) struct Within<'q>(pub(crate) &'q mut SelfQuery, pub(crate) &'q Model);
 
 macro_rules! verbs {
-    ($hit:ty, |$own:ident| $query:expr, ($($with:expr),*), $visited:expr) => {
+    ($hit:ty, |$own:ident| $query:expr, ($($with:expr),*)) => {
         type Hit = $hit;
 
         fn all(&mut self) -> Result<&[$hit], Error> {
@@ -98,7 +98,7 @@ macro_rules! verbs {
             visit: impl FnMut($hit) -> ControlFlow<()>,
         ) -> Result<ControlFlow<()>, Error> {
             let $own = self;
-            $visited($query.visit($($with,)* visit))
+            $query.visit($($with,)* visit)
         }
 
         fn contacts(&mut self) -> Result<&[($hit, Contact)], Error> {
@@ -114,15 +114,15 @@ macro_rules! verbs {
 }
 
 impl Asked for Between<'_> {
-    verbs!(TrianglePair, |own| own.0, (own.1[0], own.1[1], own.2), std::convert::identity);
+    verbs!(TrianglePair, |own| own.0, (own.1[0], own.1[1], own.2));
 }
 
 impl Asked for Within<'_> {
-    verbs!(TrianglePair, |own| own.0, (own.1), Ok);
+    verbs!(TrianglePair, |own| own.0, (own.1));
 }
 
 impl Asked for SceneQuery {
-    verbs!(SceneHit, |own| own, (), std::convert::identity);
+    verbs!(SceneHit, |own| own, ());
 
     fn check_bodies(&mut self, hits: &[SceneHit]) -> Result<(), Error> {
         let mut pairs: Vec<[BodyId; 2]> = hits.iter().map(|hit| hit.bodies).collect();
