@@ -120,7 +120,7 @@ fn few_pairs_are_left_open() {
 #[test]
 fn flush_surfaces_with_little_memory_and_every_arithmetic() {
     let mut rng = seeded(33);
-    let flat = sheet(7, |_, _| 0.0);
+    let flat = sheet(5, |_, _| 0.0);
     let (a, b) = (Exact::new(&flat, FAR, &mut rng), Exact::new(&flat, FAR, &mut rng));
     for arithmetic in [Arithmetic::Hardware, Arithmetic::Flushing, Arithmetic::Integer] {
         let gpu = gpu_with(arithmetic);

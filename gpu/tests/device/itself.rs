@@ -56,6 +56,7 @@ fn flat_folded_and_coinciding_surfaces() {
     }
     let settings = GpuSettings { budget: Budget::LEAST, depth: 1, ..gpu().settings() };
     let mut query = GpuQuery::with_settings(gpu(), settings).unwrap();
+    let balls = [sphere(8), sphere(8).map(|[x, y, z]| [x + 0.5, y, z])];
     assert!(check(&mut query, &both(&union(&balls), 8)) > 0);
 }
 

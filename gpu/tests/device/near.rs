@@ -81,7 +81,7 @@ fn soups_of_every_family_at_the_edge() {
             continue;
         }
         let [a, b] = [0; 2].map(|_| {
-            let soup = family(f, 36, &mut rng);
+            let soup = family(f, 28, &mut rng);
             Both::new(&soup.positions, &soup.triangles, 4)
         });
         for pose in [Pose::IDENTITY, Pose::new(pose_rows(0.1, &mut rng))] {
