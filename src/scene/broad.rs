@@ -106,8 +106,8 @@ impl Broad {
                 reserve(&mut diagonals, self.places.len())?;
                 let count = self.places.len() as u32;
                 diagonals.extend((0..count).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]));
-                let options = BuildOptions { leaf_size: 2, ..BuildOptions::default() };
-                let model = Model::build(copy(&self.corners)?, diagonals, options, ONE_THREAD)?;
+                let (corners, options) = (copy(&self.corners)?, BuildOptions::default());
+                let model = Model::build(corners, diagonals, options, ONE_THREAD)?;
                 let model = self.boxes.insert(model);
                 model.reserve();
                 model
