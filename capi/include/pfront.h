@@ -29,7 +29,8 @@
 // a call with it; PFRONT_FORKED for what has threads or a GPU in a child of fork, which may use all else. Arrays that a scene or a query hands
 // out are good until the same function is called again. capi/README.md has a table of it.
 //
-// An answer is about surfaces, not solids: a body wholly inside another has no hit. It is for one instant, not a motion.
+// An answer is about surfaces, not solids: a body wholly inside another has no hit; relations, volumes, checks and points inside alone are about
+// solids. It is for one instant, but for impacts.
 //
 // Any number of threads may use at once whatever a function takes by a pointer to const; but the arrays that a
 // pfront_bvh_memory_t names are for one call at a time.
@@ -1134,6 +1135,25 @@ pfront_status_t pfront_model_from_blob(const void *blob,
                                        size_t blob_bytes,
                                        struct pfront_model_t **model,
                                        struct pfront_error_t *error);
+
+// Moves the vertices of a model, given in its own frame: as many as it has, `stride` bytes apart, where 0 stands for 12. The threads of `executor`
+// refit its BVH, or the calling one if that is null; for a GPU, the next question refits it there. Bodies that were made of the model stay
+// as they are, and so do queries that keep it: then the model is copied first. PFRONT_BUSY if another thread is inside a call
+// with it. In O(vertices + triangles), but that a BVH which has worn is built anew.
+pfront_status_t pfront_model_set_positions(struct pfront_model_t *model,
+                                           const struct pfront_executor_t *executor,
+                                           const void *positions,
+                                           size_t vertex_count,
+                                           size_t stride,
+                                           struct pfront_error_t *error);
+
+// `pfront_model_set_positions` of a model in f64, of positions in double: 0 stands for 24.
+pfront_status_t pfront_model_set_positions_f64(struct pfront_model_t *model,
+                                               const struct pfront_executor_t *executor,
+                                               const void *positions,
+                                               size_t vertex_count,
+                                               size_t stride,
+                                               struct pfront_error_t *error);
 
 // Frees a model; null is fine. Bodies that were made of it stay as they are. PFRONT_BUSY if another thread is inside a call
 // with it.

@@ -157,6 +157,17 @@ auto numbers(const C& container) {
     }
 }
 
+// Calls the function for float or that for double, whichever the positions are of.
+template <class P, class F, class... What>
+void set_positions(const P& positions, F in_float, F in_double, What... what) {
+    const auto coordinates = numbers(positions);
+    using S = std::remove_const_t<std::remove_pointer_t<decltype(coordinates.data())>>;
+    static_assert(std::is_same_v<S, float> || std::is_same_v<S, double>, "positions are float or double");
+    if (coordinates.size() % 3 != 0) throw std::invalid_argument("pfront: positions are three numbers each");
+    const auto function = std::is_same_v<S, float> ? in_float : in_double;
+    call(function, what..., static_cast<const void*>(coordinates.data()), coordinates.size() / 3, std::size_t{0});
+}
+
 }  // namespace detail
 
 inline const char* version() noexcept { return pfront_version(); }
@@ -218,6 +229,11 @@ public:
     static model from_blob(span<const std::byte> blob) {
         return model(detail::made<pfront_model_t, pfront_model_free>(
             pfront_model_from_blob, static_cast<const void*>(blob.data()), blob.size()));
+    }
+    // The vertices in its own frame, as for `scene::set_positions`; the threads of `on` refit it, or the calling one.
+    template <class P>
+    void set_positions(const P& positions, const pfront_executor_t* on = nullptr) {
+        detail::set_positions(positions, pfront_model_set_positions, pfront_model_set_positions_f64, object_.get(), on);
     }
     const pfront_model_t* get() const noexcept { return object_.get(); }
 
@@ -364,12 +380,7 @@ public:
     // The vertices of a body in its own frame, of float or, for a model in f64, of double: rows of three, or their numbers.
     template <class P>
     void set_positions(std::uint64_t body, const P& positions) {
-        const auto numbers = detail::numbers(positions);
-        using S = std::remove_const_t<std::remove_pointer_t<decltype(numbers.data())>>;
-        static_assert(std::is_same_v<S, float> || std::is_same_v<S, double>, "positions are float or double");
-        if (numbers.size() % 3 != 0) throw std::invalid_argument("pfront: positions are three numbers each");
-        const auto function = std::is_same_v<S, float> ? pfront_scene_set_positions : pfront_scene_set_positions_f64;
-        detail::call(function, object_.get(), body, static_cast<const void*>(numbers.data()), numbers.size() / 3, std::size_t{0});
+        detail::set_positions(positions, pfront_scene_set_positions, pfront_scene_set_positions_f64, object_.get(), body);
     }
     void set_groups(std::uint64_t body, std::uint32_t memberships, std::uint32_t filter) {
         detail::call(pfront_scene_set_groups, object_.get(), body, memberships, filter);

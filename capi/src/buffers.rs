@@ -71,6 +71,16 @@ pub(crate) struct Buffers<P = [f32; 3]> {
 }
 
 impl pfront_buffers_t {
+    /// Vertices without triangles.
+    pub(crate) fn of_vertices(
+        positions: *const c_void,
+        vertex_count: usize,
+        stride: usize,
+    ) -> Self {
+        let triangles = core::ptr::null();
+        Self { positions, vertex_count, stride, triangles, triangle_count: 0, index_type: 0 }
+    }
+
     pub(crate) fn checked<P>(self, names: &'static Names) -> Result<Buffers<P>, Fault> {
         let packed = size_of::<P>();
         let stride = if self.stride == 0 { packed } else { self.stride };

@@ -1,12 +1,14 @@
 //! Models: a mesh and its BVH in memory of the library's own, for the bodies of scenes.
 
 use crate::buffers::{NAMES, pfront_buffers_t};
+use crate::executor::{OwnExecutor, pfront_executor_t};
 use crate::memory::{Call, Done, Handle};
 use crate::status::Fault;
 use crate::status::pfront_status_t::PFRONT_DAMAGED;
 use crate::verbs::pfront_pair_t;
+use bytemuck::Pod;
 use core::ffi::{CStr, c_void};
-use pfront::{ContactPatch, Impact, Model, SegmentHit, Solid, TrianglePair};
+use pfront::{ContactPatch, Impact, Model, Scalar, SegmentHit, Solid, TrianglePair};
 use pfront_capi_entry::entry;
 use std::sync::Arc;
 
@@ -62,6 +64,53 @@ fn pfront_model_from_blob(
     Ok(())
 }
 
+/// Moves the vertices of a model, given in its own frame: as many as it has, `stride` bytes apart, where 0 stands for 12. The threads of `executor`
+/// refit its BVH, or the calling one if that is null; for a GPU, the next question refits it there. Bodies that were made of the model stay
+/// as they are, and so do queries that keep it: then the model is copied first. PFRONT_BUSY if another thread is inside a call
+/// with it. In O(vertices + triangles), but that a BVH which has worn is built anew.
+#[entry]
+fn pfront_model_set_positions(
+    call: &mut Call<'_>,
+    model: *mut pfront_model_t,
+    executor: *const pfront_executor_t,
+    positions: *const c_void,
+    vertex_count: usize,
+    stride: usize,
+) -> Done {
+    let buffers = pfront_buffers_t::of_vertices(positions, vertex_count, stride);
+    set_positions::<f32>(call, model, executor, buffers)
+}
+
+/// `pfront_model_set_positions` of a model in f64, of positions in double: 0 stands for 24.
+#[entry]
+fn pfront_model_set_positions_f64(
+    call: &mut Call<'_>,
+    model: *mut pfront_model_t,
+    executor: *const pfront_executor_t,
+    positions: *const c_void,
+    vertex_count: usize,
+    stride: usize,
+) -> Done {
+    let buffers = pfront_buffers_t::of_vertices(positions, vertex_count, stride);
+    set_positions::<f64>(call, model, executor, buffers)
+}
+
+fn set_positions<S: Scalar + Pod>(
+    call: &mut Call<'_>,
+    model: *mut pfront_model_t,
+    executor: *const pfront_executor_t,
+    buffers: pfront_buffers_t,
+) -> Done {
+    let own = OwnExecutor::of(call, executor)?;
+    let model = call.owned(c"model", model)?;
+    let (positions, _) = buffers.checked::<[S; 3]>(&NAMES)?.copies(call)?;
+    if Arc::get_mut(model).is_none() {
+        *model = Arc::new(model.try_clone()?);
+    }
+    // It has no other owner now.
+    Ok(own.executor.refit(Arc::make_mut(model), &positions)?)
+}
+
 /// Frees a model; null is fine. Bodies that were made of it stay as they are. PFRONT_BUSY if another thread is inside a call
 /// with it.
 #[entry]
@@ -106,7 +155,7 @@ impl From<ContactPatch> for pfront_patch_t {
 pub struct pfront_impact_t {
     /// The triangles.
     pub pair: pfront_pair_t,
-    /// They do not meet before this time.
+    /// They do not meet before this time; 0 is the start of the motion and 1 its end.
     pub from: f64,
     /// They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
     pub to: f64,

@@ -19,7 +19,6 @@ use crate::status::Fault;
 pub use bodies::*;
 pub use check::*;
 use core::ffi::c_void;
-use core::ptr::null;
 pub use hits::*;
 pub use impacts::*;
 use pfront::{Adjacency, BodyId, BodyOptions, Groups, Pose64, SceneQuery};
@@ -178,7 +177,7 @@ fn pfront_scene_set_positions(
     stride: usize,
 ) -> Done {
     let scene = usable(call, scene)?;
-    let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
+    let buffers = pfront_buffers_t::of_vertices(positions, vertex_count, stride).checked(&NAMES)?;
     resize(&mut scene.positions, buffers.words()?[0] / 3)?;
     let positions = buffers.positions(call, &mut scene.positions)?;
     Ok(scene.query.set_positions(BodyId::from_bits(body), positions)?)
@@ -195,21 +194,9 @@ fn pfront_scene_set_positions_f64(
     stride: usize,
 ) -> Done {
     let scene = usable(call, scene)?;
-    let buffers = vertices(positions, vertex_count, stride).checked(&NAMES)?;
+    let buffers = pfront_buffers_t::of_vertices(positions, vertex_count, stride).checked(&NAMES)?;
     let (positions, _) = buffers.copies(call)?;
     Ok(scene.query.set_positions::<f64>(BodyId::from_bits(body), &positions)?)
-}
-
-/// Buffers without triangles.
-fn vertices(positions: *const c_void, vertex_count: usize, stride: usize) -> pfront_buffers_t {
-    pfront_buffers_t {
-        positions,
-        vertex_count,
-        stride,
-        triangles: null(),
-        triangle_count: 0,
-        index_type: 0,
-    }
 }
 
 /// Says which groups a body is in and which it may meet: two bodies are asked about if each is a member of a group

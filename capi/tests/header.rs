@@ -60,7 +60,8 @@ fn the_header_is_up_to_date() {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let builder = MODULES.iter().fold(cbindgen::Builder::new(), |builder, module| {
         let source = fs::read_to_string(folder.join(format!("src/{module}.rs"))).unwrap();
-        let path = out.join(format!("{}.rs", module.replace('/', "_")));
+        // A name that no `mod` of another leads to, or cbindgen would read it twice.
+        let path = out.join(format!("of-{}.rs", module.replace('/', "-")));
         fs::write(&path, exported(&source)).unwrap();
         builder.with_src(path)
     });

@@ -582,11 +582,68 @@ static void solids(void)
     }
 }
 
+// A model whose vertices move is another for queries, and not for the bodies that were made of it before.
+static void deforming(void)
+{
+    static float moved[4 * VERTICES];
+    static double wide[3 * VERTICES];
+    pfront_model_t *cloth = NULL, *exact = NULL;
+    pfront_model_query_t *query = NULL;
+    pfront_scene_t *scene = NULL;
+    const pfront_pose_t here = at(0);
+    const pfront_buffers_t buffers = {wide, VERTICES, 24, corners, TRIANGLES, PFRONT_INDEX_U32};
+    uint64_t before = 0, after = 0, count = 0, body = 0;
+    for (int i = 0; i < VERTICES; i++) {
+        for (int k = 0; k < 3; k++) {
+            // Far from where it was, and `stride` has a hole.
+            moved[4 * i + k] = points[3 * i + k] + 100;
+            wide[3 * i + k] = (double)points[3 * i + k];
+        }
+    }
+    OK(pfront_model_create(&tetrahedra, &cloth, &error));
+    OK(pfront_model_create_f64(&buffers, &exact, &error));
+    OK(pfront_model_query_create(executor, &query, &error));
+    OK(pfront_scene_create(executor, &scene, &error));
+    OK(pfront_scene_add(scene, cloth, &here, &body, &error));
+    OK(pfront_scene_add(scene, cloth, &here, &body, &error));
+    OK(pfront_scene_count(scene, &before, &error));
+    const pfront_subject_t two = {model, cloth, &here, NULL, 0}, doubled = {exact, model, &here, NULL, 0};
+    OK(pfront_model_query_count(query, &two, &count, &error));
+    THAT(count > 0 && before > 0);
+    OK(pfront_model_set_positions(cloth, executor, moved, VERTICES, 16, &error));
+    OK(pfront_model_query_count(query, &two, &count, &error));
+    THAT(count == 0);
+    OK(pfront_scene_count(scene, &after, &error));
+    THAT(before == after);
+    OK(pfront_model_set_positions(cloth, NULL, points, VERTICES, 0, &error));
+    OK(pfront_model_query_count(query, &two, &count, &error));
+    THAT(count > 0);
+    OK(pfront_model_query_count(query, &doubled, &count, &error));
+    THAT(count > 0);
+    for (int i = 0; i < 3 * VERTICES; i++) {
+        wide[i] += 100;
+    }
+    OK(pfront_model_set_positions_f64(exact, executor, wide, VERTICES, 0, &error));
+    OK(pfront_model_query_count(query, &doubled, &count, &error));
+    THAT(count == 0);
+    EXPECT(PFRONT_TOO_SMALL, "positions", pfront_model_set_positions(cloth, NULL, points, VERTICES - 1, 0, &error));
+    EXPECT(PFRONT_TOO_SMALL, "stride", pfront_model_set_positions(cloth, NULL, points, VERTICES, 11, &error));
+    EXPECT(PFRONT_NULL, "positions", pfront_model_set_positions(cloth, NULL, NULL, VERTICES, 0, &error));
+    EXPECT(PFRONT_NULL, "model", pfront_model_set_positions(NULL, NULL, points, VERTICES, 0, &error));
+    moved[0] = NAN;
+    EXPECT(PFRONT_NOT_FINITE, "positions", pfront_model_set_positions(cloth, executor, moved, VERTICES, 16, &error));
+    OK(pfront_scene_free(scene, &error));
+    OK(pfront_model_query_free(query, &error));
+    OK(pfront_model_free(cloth, &error));
+    OK(pfront_model_free(exact, &error));
+}
+
 int main(void)
 {
     executors();
     models();
     subjects();
+    deforming();
     bodies();
     solids();
     forked();

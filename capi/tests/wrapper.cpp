@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #define EXPECT(condition)                                                        \
     do {                                                                         \
@@ -43,6 +44,11 @@ static void models(const pfront::buffers& floor, const pfront::buffers& blade) {
     const pfront::executor on(PFRONT_CPU);
     EXPECT(pfront::batch_any(subjects, &on)[0] && !pfront::batch_any(subjects, &on)[1]);
     EXPECT(pfront::batch_distance(subjects, INFINITY, &on)[1]->low > 1 && !pfront::batch_distance(subjects, 1)[1]);
+    pfront::model cloth(floor);
+    const std::vector<float> elsewhere(3 * floor.vertex_count, 9);
+    EXPECT(query.count(pfront::subject(a, cloth)) > 0);
+    cloth.set_positions(elsewhere);
+    EXPECT(query.count(pfront::subject(a, cloth)) == 0);
     const pfront::pose there = pfront::multiply(far, pfront::inverse(far));
     EXPECT(std::memcmp(&there, &near, sizeof there) == 0);
 }
