@@ -1,4 +1,4 @@
-//! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal or Direct3D 12.
+//! The queries on a GPU: the same pairs, to the bit, through wgpu on Vulkan, Metal, Direct3D 12 or WebGPU.
 //!
 //! A [`Gpu`] is a device of this machine or of the caller's; a [`GpuModel`] is the BVH of a
 //! [`crate::Model`] in its memory, a [`Deforming`] one whose vertices move there, by positions from the host or from a

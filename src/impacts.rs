@@ -8,12 +8,12 @@ use pfront_core::bvtt::{PairBvtt, SelfBvtt};
 
 impl PairQuery {
     /// All pairs of triangles of two models that meet while both move, sorted, each with when they first do: they do not meet before `from`, and
-    /// certainly meet before `to`, if that is finite. CPUs answer, whatever the executor; the same to the bit. After [`PairQuery::within`],
-    /// all pairs that come within the distance, and when first.
+    /// certainly meet before `to`, if that is finite; 0 is the start and 1 the end. CPUs answer, whatever the executor; the same to the
+    /// bit. After [`PairQuery::within`], all pairs that come within the distance, and when first.
     ///
-    /// Exact but for pairs that touch and do not pass, move in one plane for ever, or have coordinates of more than 356 bits, or pass
-    /// each other at a gap far below rounding errors: these are reported with an infinite `to`; within a distance, but for pairs that come as near as it is
-    /// and no nearer. No pair is missed. See [`pfront_core::motion`].
+    /// No pair is missed. A pair is open, with an infinite `to`, if it comes near but neither a meeting nor a miss is proven: where triangles
+    /// touch and do not pass, move in one plane for ever, have coordinates of more than 356 bits, or pass each other at a gap far below
+    /// rounding errors; within a distance, where they come as near as it is and no nearer. See [`pfront_core::motion`].
     ///
     /// # Errors
     /// [`Error::Memory`]; [`Error::Cancelled`] if the flag of the executor is set.

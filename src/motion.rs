@@ -8,8 +8,8 @@ use pfront_core::bvtt::PosedBvh;
 use pfront_core::motion::{MotionError, MovingBvh};
 use pfront_core::{Bvh, Node};
 
-/// A model at the start of a motion and at its end: at rest, rigid in two poses, or deforming between two sets of positions. Every corner goes
-/// in a straight line.
+/// A model at the start of a motion, the time 0, and at its end, the time 1: at rest, rigid in two poses, or deforming between two sets of
+/// positions. Every corner goes in a straight line at constant speed. Motions that are asked about together share one world.
 ///
 /// # Examples
 /// ```
@@ -33,7 +33,7 @@ pub struct Motion<'m> {
 }
 
 impl<'m> Motion<'m> {
-    /// A model that stays where it is.
+    /// A model that stays where it is, its coordinates those of the world; for one elsewhere, [`Motion::new`] with one pose twice.
     #[must_use]
     pub fn at_rest(model: &'m Model) -> Self {
         let poses = [AnyPose::F32(Pose::IDENTITY); 2];
@@ -59,7 +59,7 @@ impl<'m> Motion<'m> {
         Ok(Self { poses, ..Self::at_rest(model) })
     }
 
-    /// A deforming mesh that goes from the positions of one model to those of another with the same triangles.
+    /// A deforming mesh that goes from the positions of one model to those of another with the same triangles, both in the world.
     ///
     /// # Errors
     /// [`Error::Motion`] names the first triangle that differs; [`Error::Memory`] if there is none for the nodes at the end.

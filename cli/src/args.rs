@@ -113,7 +113,7 @@ pub(crate) enum Command {
     ///     runs-on: ubuntu-latest
     ///     steps:
     ///       - uses: actions/checkout@v4
-    ///       - run: cargo install pfront-cli
+    ///       - run: cargo install --path cli  # in a checkout of pfront, until it is on a registry
     ///       - run: >
     ///           pfront check assembly.glb --clearance 0.5 --allow-overlap 0.01
     ///           --ignore 'Bolt*' 'Nut*' --json > report.json

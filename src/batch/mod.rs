@@ -45,7 +45,7 @@
 //!   [`Ticket::hits_buffer`]. So tickets take at most six times the budget, however many there are. The thread ends when
 //!   the executor and all tickets have gone, and when the process exits, which waits for what is in flight for one second at most.
 //! - **A CPU and a GPU** ([`Executor::and_gpu`], [`Executor::auto`]): the CPU. A question of a batch has no earlier
-//!   frame from which its cost could be predicted.
+//!   frame from which its cost could be predicted, so that it never goes to the GPU; [`Executor::gpu`] takes it there.
 //!
 //! On wasm32, where no thread can wait for a GPU, whoever polls works instead.
 
@@ -238,8 +238,12 @@ impl Batch {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Executor};
-    /// assert_eq!(Batch::new().count(&Executor::sequential())?.read()?, []);
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// assert_eq!(batch.count(&Executor::sequential())?.read()?, [1]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn count(&mut self, executor: &Executor) -> Result<Ticket<Vec<u64>>, Error> {

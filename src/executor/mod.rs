@@ -10,7 +10,7 @@
 //! - [`Executor::threads`]: starts on the calling thread and calls others after as much work as calling them costs. The
 //!   pending node pairs of its cursor then start their front (Zhang & Kim 2014, section 3), so that nothing is done twice. A
 //!   frame like the last one calls them at once.
-//! - `Executor::gpu`: a GPU, which always answers; `Executor::behind_gpu` has threads for what no GPU answers.
+//! - `Executor::gpu`: a GPU, whether that pays or not; `Executor::behind_gpu` has threads for what no GPU answers.
 //! - `Executor::and_gpu`: the CPU, and a GPU where that pays.
 //! - [`Executor::auto`]: all threads, and the GPU if there is one.
 //!
@@ -139,7 +139,8 @@ impl Executor {
     /// All threads of the rayon pool of the caller, and the best GPU if there is one that does not compute on the CPU. A GPU
     /// that cannot be used is left out; `Executor::and_gpu` would tell why.
     ///
-    /// Opening and measuring a GPU takes about two seconds: make one executor and keep it.
+    /// Opening and measuring a GPU takes about two seconds: make one executor and keep it. Without the feature `gpu` there are only
+    /// threads, and without `threads` only the calling one.
     #[must_use]
     pub fn auto() -> Self {
         Self { pool: threads::all(), ..Self::default() }.and_best_gpu()

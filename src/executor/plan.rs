@@ -17,7 +17,7 @@ pub enum Backend {
     Threads,
     /// The GPU.
     Gpu,
-    /// The GPU, and the CPU for what only that answers: pairs of bodies in f64, and contacts.
+    /// The GPU, and the CPU for what only that answers: pairs of bodies in f64, bodies with themselves, and contacts.
     GpuAndCpu,
 }
 
@@ -76,7 +76,7 @@ pub enum Reason {
     Unchanged,
     /// The executor has only a CPU, or only a GPU.
     NoChoice,
-    /// A query begins on the CPU, whose first frame tells nothing yet.
+    /// A query begins on the CPU, whose first frame tells nothing yet; a batch has no frames, and stays there.
     Unknown,
     /// It is predicted to be at least as fast as the other.
     Faster,
@@ -84,8 +84,8 @@ pub enum Reason {
     NotWorthChanging,
     /// The CPU answers one frame of many, in case it has become faster than the GPU.
     Check,
-    /// Only a CPU answers this: contacts, visits, which bodies meet, a mesh in f64 with itself, a mesh and itself
-    /// within a distance, and in a scene bodies in f64, bodies with themselves and all within a distance.
+    /// Only a CPU answers this: contacts, visits, distances, relations, impacts, segments, which bodies meet, a mesh in f64 with itself,
+    /// a mesh and itself within a distance, and in a scene bodies in f64, bodies with themselves and all within a distance.
     CpuOnly,
     /// The GPU has failed: see [`Plan::failure`].
     GpuFailed,

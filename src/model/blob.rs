@@ -70,7 +70,7 @@ impl Model {
     /// The mesh and its BVH as a blob, the same on every machine.
     ///
     /// # Errors
-    /// [`Error::Blob`] if there are 2³² vertices or more.
+    /// [`Error::Blob`] if there are 2³² vertices or more; [`Error::Memory`].
     ///
     /// # Complexity
     /// O(bytes); they are [`Counts::bytes`].

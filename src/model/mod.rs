@@ -90,7 +90,7 @@ impl Model {
     /// Positions in f64 have a name of their own, [`Model::from_f64`], since Rust takes numbers like `0.1` for f64 where both do.
     ///
     /// # Errors
-    /// [`Error::Mesh`] names the first vertex or triangle at fault.
+    /// [`Error::Mesh`] names the first vertex or triangle at fault; [`Error::Memory`].
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
@@ -143,11 +143,12 @@ impl Model {
     /// [`Model::new`] with positions in f64: queries pose and decide them there, exactly, whatever the other model and the
     /// pose.
     ///
-    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. A GPU answers about two such models by their shadows,
-    /// and leaves to the CPU what these do not tell; everything else about them only a CPU answers.
+    /// Takes 24 bytes a vertex more, unless f32 holds every coordinate. A GPU answers about two models of which one or the pose is in f64
+    /// by their shadows, and leaves to the CPU what these do not tell; about one model in f64 and itself, and about such bodies of a
+    /// scene, only a CPU answers.
     ///
     /// # Errors
-    /// [`Error::Mesh`] names the first vertex or triangle at fault; coordinates are at most 2^125.
+    /// [`Error::Mesh`] names the first vertex or triangle at fault; coordinates are at most 2^125. [`Error::Memory`].
     ///
     /// # Complexity
     /// As [`Model::new`].

@@ -68,8 +68,8 @@ pub struct BodyOptions {
     /// A number of the caller's: the index of an entity, `Entity::to_bits` of bevy, or both halves of rapier's
     /// `RigidBodyHandle::into_raw_parts`.
     pub user_data: u64,
-    /// If there is a rule for triangles that share a vertex, whether the body meets itself is asked with all else, as
-    /// [`SelfQuery`](crate::SelfQuery) asks it: in its own frame, by that rule. Cloth wants it; a body that does not deform
+    /// With a rule for triangles that share a vertex, the pairs of the body with itself are among the hits, as
+    /// [`SelfQuery`](crate::SelfQuery) finds them: in its own frame, by that rule. Cloth wants it; a body that does not deform
     /// costs as much in each frame in which it moves.
     pub itself: Option<Adjacency>,
 }
@@ -115,6 +115,17 @@ impl Body {
 
     /// A box in the world that contains every posed vertex, rounding included; `None` if there is no
     /// triangle.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut scene = SceneQuery::new();
+    /// let id = scene.add(tile, Pose::from_translation([5.0, 0.0, 0.0]))?;
+    /// let aabb = scene.body(id)?.aabb().expect("it has a triangle");
+    /// assert!(aabb.min[0] <= 5.0 && 6.0 <= aabb.max[0]);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     #[must_use]
     pub fn aabb(&self) -> Option<Aabb> {
         self.aabb

@@ -78,6 +78,19 @@ impl SceneQuery {
     ///
     /// # Complexity
     /// O(log n) for n bodies.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// # scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// let lid = scene.add(tile, Pose::IDENTITY)?;
+    /// assert_eq!(scene.count()?, 1);
+    /// scene.set_pose(lid, Pose::from_translation([0.0, 0.0, 0.1]))?;
+    /// assert_eq!(scene.count()?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn set_pose(
         &mut self,
         id: BodyId,
@@ -200,6 +213,18 @@ impl SceneQuery {
     ///
     /// # Complexity
     /// O(log n) for n ignored pairs.
+    ///
+    /// # Examples
+    /// ```
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let link = Model::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (link, mut arm) = (std::sync::Arc::new(link), SceneQuery::new());
+    /// let (upper, lower) = (arm.add(link.clone(), Pose::IDENTITY)?, arm.add(link, Pose::IDENTITY)?);
+    /// assert_eq!(arm.count()?, 1);
+    /// arm.ignore(upper, lower, true)?;
+    /// assert_eq!(arm.count()?, 0);
+    /// # Ok::<(), pfront::Error>(())
+    /// ```
     pub fn ignore(&mut self, a: BodyId, b: BodyId, ignored: bool) -> Result<(), Error> {
         self.bodies.ignore([a, b], ignored)
     }
@@ -230,7 +255,8 @@ impl SceneQuery {
     /// is gone afterwards, even if there is one piece, or none because there was no triangle.
     ///
     /// # Errors
-    /// [`Error::StaleBody`] if the body is not there.
+    /// [`Error::StaleBody`] if the body is not there; [`Error::Pose`] if its pose takes a piece out of range, whose box may reach farther
+    /// than that of the whole by its rounding; [`Error::Memory`].
     ///
     /// # Complexity
     /// O(n log n) for n triangles, all of whose BVHs are built anew.

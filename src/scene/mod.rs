@@ -60,8 +60,8 @@ use std::ops::ControlFlow;
 /// many, which bounds the memory; then nothing is remembered. Contacts, and which bodies meet, are found by the same threads.
 ///
 /// # GPU
-/// On an executor with a GPU, pairs with a body in f64 and bodies themselves are asked about on the CPU, all others by the GPU;
-/// contacts, visits and which bodies meet are found on the CPU. [`SceneQuery::plan`] tells.
+/// On an executor with a GPU, pairs with a body in f64, bodies themselves, and after [`SceneQuery::within`] all pairs are asked about on the
+/// CPU, all others by the GPU; contacts, visits, distances and which bodies meet are found on the CPU. [`SceneQuery::plan`] tells.
 ///
 /// # Still bodies
 /// Hits that [`SceneQuery::all`] and [`SceneQuery::contacts`] find are kept: as long as neither of two bodies
@@ -139,8 +139,8 @@ impl SceneQuery {
         self
     }
 
-    /// Asks from now on for pairs of bodies at most `distance` apart in the world, as [`PairQuery::within`](crate::PairQuery::within) says;
-    /// bodies that are asked about themselves, too, in their own frames. The list of hits is empty until the next question.
+    /// Asks from now on for pairs of bodies at most `distance` apart in the world, in its units, as [`PairQuery::within`](crate::PairQuery::within) says;
+    /// bodies that are asked about themselves, too, in their own frames, whose units are others if poses scale. The list of hits is empty until the next question.
     ///
     /// # Errors
     /// [`Error::Distance`] if the distance is NaN, infinite or negative.
@@ -196,12 +196,17 @@ impl SceneQuery {
     ///
     /// # Examples
     /// ```
-    /// # let mut scene = pfront::SceneQuery::new();
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// let floor = scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// let lid = scene.add(tile, Pose::from_translation([0.5, 0.0, 0.0]))?;
     /// scene.update()?;
     /// for hit in scene.hits() {
     ///     let [a, b] = hit.bodies;
     ///     println!("{:?} meets {:?}", scene.body(a)?.pose(), scene.body(b)?.pose());
     /// }
+    /// assert_eq!(scene.hits()[0].bodies, [floor, lid]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn update(&mut self) -> Result<(), Error> {
@@ -336,12 +341,17 @@ impl SceneQuery {
     /// # Examples
     /// ```
     /// use std::ops::ControlFlow;
-    /// # let mut scene = pfront::SceneQuery::new();
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// # scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// # scene.add(tile, Pose::from_translation([0.5, 0.0, 0.0]))?;
     /// let mut bodies = Vec::new();
-    /// let _ = scene.visit(|hit| {
+    /// let end = scene.visit(|hit| {
     ///     bodies.extend(hit.bodies);
     ///     if bodies.len() < 20 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     /// })?;
+    /// assert!(end.is_continue() && bodies.len() == 2);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn visit(
@@ -390,11 +400,16 @@ impl SceneQuery {
     ///
     /// # Examples
     /// ```
-    /// # let mut scene = pfront::SceneQuery::new();
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// # scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// # scene.add(tile, Pose::from_translation([0.5, 0.0, 0.0]))?;
     /// scene.contacts()?;
     /// for (hit, contact) in scene.last_contacts() {
     ///     println!("{} at {:?}", scene.body(hit.bodies[0])?.options().user_data, contact.segment[0]);
     /// }
+    /// assert_eq!(scene.last_contacts().len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn contacts(&mut self) -> Result<&[(SceneHit, Contact)], Error> {
@@ -428,10 +443,16 @@ impl SceneQuery {
     ///
     /// # Examples
     /// ```
-    /// # let mut scene = pfront::SceneQuery::new();
-    /// for (hit, contact) in scene.contacts_f64()? {
+    /// # use pfront::{Model, Pose, SceneQuery};
+    /// # let tile = Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
+    /// # let (tile, mut scene) = (std::sync::Arc::new(tile), SceneQuery::new());
+    /// # scene.add(tile.clone(), Pose::IDENTITY)?;
+    /// # scene.add(tile, Pose::from_translation([0.5, 0.0, 0.0]))?;
+    /// let contacts = scene.contacts_f64()?;
+    /// for (hit, contact) in &contacts {
     ///     println!("{:?} at {:?}", hit.bodies, contact.segment[0]);
     /// }
+    /// assert_eq!(contacts.len(), 1);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn contacts_f64(&mut self) -> Result<Vec<(SceneHit, Contact<f64>)>, Error> {

@@ -108,9 +108,14 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Executor};
-    /// let mut ticket = Batch::new().any(&Executor::sequential())?;
-    /// assert!(ticket.is_ready());
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// let mut ticket = batch.any(&Executor::sequential())?;
+    /// while !ticket.is_ready() {} // a slice of the work each time
+    /// assert!(ticket.read()?[0].is_some());
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn is_ready(&mut self) -> bool {
@@ -129,9 +134,14 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Error, Executor};
-    /// let mut ticket = Batch::new().count(&Executor::sequential())?;
-    /// assert_eq!(ticket.try_read()?, Some(vec![]));
+    /// # use pfront::{Batch, Error, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// let mut ticket = batch.count(&Executor::sequential())?;
+    /// while !ticket.is_ready() {} // a slice of the work each time
+    /// assert_eq!(ticket.try_read()?, Some(vec![1]));
     /// assert_eq!(ticket.try_read(), Err(Error::AlreadyRead));
     /// # Ok::<(), pfront::Error>(())
     /// ```
@@ -148,12 +158,20 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Executor};
+    /// # use pfront::{Batch, Executor, Model, Pose};
     /// # use std::time::Duration;
-    /// let mut ticket = Batch::new().count(&Executor::threads(2))?;
-    /// while ticket.wait(Duration::from_millis(2))?.is_none() {
-    ///     println!("not yet");
-    /// }
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// let mut ticket = batch.count(&Executor::threads(2))?;
+    /// let counts = loop {
+    ///     match ticket.wait(Duration::from_millis(2))? {
+    ///         Some(counts) => break counts,
+    ///         None => println!("not yet"),
+    ///     }
+    /// };
+    /// assert_eq!(counts, [1]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     #[cfg(not(target_arch = "wasm32"))]
@@ -177,8 +195,12 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Executor};
-    /// assert_eq!(Batch::new().count(&Executor::threads(2))?.read()?, []);
+    /// # use pfront::{Batch, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// assert_eq!(batch.count(&Executor::threads(2))?.read()?, [1]);
     /// # Ok::<(), pfront::Error>(())
     /// ```
     pub fn read(mut self) -> Result<T, Error> {
@@ -194,8 +216,12 @@ impl<T> Ticket<T> {
     ///
     /// # Examples
     /// ```
-    /// # use pfront::{Batch, Error, Executor};
-    /// let mut ticket = Batch::new().count(&Executor::threads(2))?;
+    /// # use pfront::{Batch, Error, Executor, Model, Pose};
+    /// # use std::sync::Arc;
+    /// # let tile = Arc::new(Model::new(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?);
+    /// # let mut batch = Batch::new();
+    /// batch.pair(&tile, &tile, Pose::IDENTITY)?;
+    /// let mut ticket = batch.count(&Executor::threads(2))?;
     /// ticket.cancel();
     /// assert_eq!(ticket.read(), Err(Error::Cancelled));
     /// # Ok::<(), pfront::Error>(())

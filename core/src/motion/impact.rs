@@ -7,7 +7,7 @@ use crate::scalar::WITHIN;
 use crate::triangle::{Feature, intersects_in_f64, near_points, within_in_f64};
 use glam::DVec3;
 
-/// When two triangles meet first, as far as it is proven.
+/// When two triangles meet first, as far as it is proven; 0 is the start of the motion and 1 its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impact {

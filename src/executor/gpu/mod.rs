@@ -22,7 +22,8 @@ use crate::gpu::{Gpu, GpuError, GpuSettings, wgpu};
 use std::sync::Arc;
 
 impl Executor {
-    /// A GPU, which answers all questions. Where it fails, the verb returns its error.
+    /// A GPU, which answers all that a GPU can: `any`, `all` and `count`, but of a model in f64 with itself, and within a distance of two models
+    /// only. The calling thread does the rest ([`Executor::behind_gpu`] has others for it). Where the GPU fails, the verb returns its error.
     ///
     /// A query keeps the models of its last question there, and shares them with others that ask about the same. Models that no
     /// query or ticket holds any more stay there within [`GpuSettings::mesh_bytes`], the least recently used going first; so
@@ -47,8 +48,8 @@ impl Executor {
         Self::sequential().behind_gpu(gpu, settings)
     }
 
-    /// The same CPU behind a GPU, which answers all questions as [`Executor::gpu`] does: what no GPU answers, such as contacts and a model
-    /// in f64 with itself, all threads of this executor do, and not the calling one alone.
+    /// The same CPU behind a GPU, which answers what it does for [`Executor::gpu`]; the rest, such as contacts and distances, all threads of this
+    /// executor do, and not the calling one alone.
     ///
     /// # Examples
     /// ```no_run

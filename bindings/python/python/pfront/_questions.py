@@ -210,8 +210,8 @@ class Gap:
     Attributes
     ----------
     interval : (float, float)
-        The least and the greatest that the distance can be: both 0 if triangles intersect, and else the least is more than 0.
-        They differ by some 2^-23 of the distance, and by 2^-44 of the extent of both meshes.
+        The least and the greatest that the distance can be: both 0 if triangles intersect. If they do not, the greatest is more than 0, and
+        the least may be 0 where they are nearer than float32 can tell: test ``interval[1] == 0`` for contact. They differ by some 2^-23 of the distance, and by 2^-44 of the extent of both meshes.
     pair : (int, int)
         The nearest faces, the first of those that are equally near; if faces intersect, two that do.
     points : ndarray of float64, shape (2, 3)
@@ -838,7 +838,7 @@ def segment_first(mesh: MeshLike, starts: Any, ends: Any) -> tuple[_Counts, _Flo
 
 @dataclass(frozen=True)
 class Impact:
-    """When two faces meet first, or come within a distance, as far as it is proven.
+    """When two faces meet first, or come within a distance, as far as it is proven; 0 is the start of the motion and 1 its end.
 
     Attributes
     ----------
