@@ -65,8 +65,17 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize, threads: usize) {
             assert!(query.impacts(motion).unwrap() == *found);
         }
     });
+    let mut firsts = Vec::new();
     let mut query = SelfQuery::new();
-    let first = best(&mut || motions.iter().for_each(|motion| drop(query.first_impact(motion))));
+    let first = best(&mut || {
+        firsts = motions.iter().map(|motion| query.first_impact(motion).unwrap()).collect();
+    });
+    let mut query = SelfQuery::new().on(&Executor::threads(threads));
+    let first_of_all = best(&mut || {
+        for (motion, first) in motions.iter().zip(&firsts) {
+            assert!(query.first_impact(motion).unwrap() == *first);
+        }
+    });
     let still = best(&mut || {
         for [start, _] in steps {
             query.forget();
@@ -83,7 +92,7 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize, threads: usize) {
     }));
     println!("{name}: {} pairs, {proven} proven, digest {digest:016x}", pairs.len());
     println!(
-        "  impacts {one:.2} ms, on {threads} threads {all:.2} ms; first {first:.2} ms; static {still:.2} ms"
+        "  impacts {one:.2} ms, on {threads} threads {all:.2} ms; first {first:.2} ms, on threads {first_of_all:.2} ms; static {still:.2} ms"
     );
     let times = |of: fn(&Work) -> u64| of(&moving) as f64 / of(&at_rest) as f64;
     println!(

@@ -2,7 +2,7 @@
 
 use crate::environment::with_default;
 use crate::executor::History;
-use crate::executor::impacts::{self, AnyMovingBvtt, MovingSubject};
+use crate::executor::impacts::{AnyMovingBvtt, MovingSubjects, SubjectNodePair};
 use crate::{Error, Impact, Motion, PairQuery, SelfQuery, TrianglePair};
 use pfront_core::bvtt::{PairBvtt, SelfBvtt};
 
@@ -182,7 +182,7 @@ fn all(
     tree: AnyMovingBvtt<'_>,
 ) -> Result<Vec<(TrianglePair, Impact)>, Error> {
     let mut all = Vec::new();
-    impacts::impacts(history, subject(&tree).as_slice(), |()| Some(((), tree)), &mut all)?;
+    MovingSubjects::new(history, root(&tree).as_slice(), |()| Some(((), tree))).all(&mut all)?;
     history.sort(&mut all, |hit| hit.0);
     Ok(all)
 }
@@ -192,7 +192,7 @@ fn first(
     history: &mut History<()>,
     tree: AnyMovingBvtt<'_>,
 ) -> Result<Option<(TrianglePair, Impact)>, Error> {
-    impacts::first_impact(history, subject(&tree).as_slice(), |()| Some(((), tree)), None)
+    MovingSubjects::new(history, root(&tree).as_slice(), |()| Some(((), tree))).first(None)
 }
 
 /// Some pair of one subject.
@@ -200,15 +200,15 @@ fn any(
     history: &mut History<()>,
     tree: AnyMovingBvtt<'_>,
 ) -> Result<Option<(TrianglePair, Impact)>, Error> {
-    impacts::any_impact(history, subject(&tree).as_slice(), |()| Some(((), tree)))
+    MovingSubjects::new(history, root(&tree).as_slice(), |()| Some(((), tree))).any()
 }
 
 /// How many pairs of one subject certainly meet, and how many do or are open.
 fn count(history: &mut History<()>, tree: AnyMovingBvtt<'_>) -> Result<[u64; 2], Error> {
-    impacts::count(history, subject(&tree).as_slice(), |()| Some(((), tree)))
+    MovingSubjects::new(history, root(&tree).as_slice(), |()| Some(((), tree))).count()
 }
 
 /// The only subject, if its boxes overlap at a time.
-fn subject(tree: &AnyMovingBvtt<'_>) -> Option<MovingSubject<()>> {
-    tree.first_overlap().map(|from| MovingSubject { from, subject: () })
+fn root(tree: &AnyMovingBvtt<'_>) -> Option<SubjectNodePair<()>> {
+    tree.first_overlap().map(|from| SubjectNodePair::root((), from))
 }

@@ -9,7 +9,7 @@ use super::hit::SceneHit;
 use super::id::BodyId;
 use super::pairs::tree;
 use crate::environment::with_default;
-use crate::executor::impacts::{self, AT_START, AnyMovingBvtt, MovingSubject};
+use crate::executor::impacts::{AT_START, AnyMovingBvtt, MovingSubjects, SubjectNodePair};
 use crate::executor::{Backend, History, check};
 use crate::memory::push;
 use crate::{AnyPose, Error, Impact};
@@ -63,7 +63,7 @@ impl SceneQuery {
             for hit in scene.kept() {
                 push(&mut all, (hit, AT_START))?;
             }
-            impacts::impacts(history, &subjects, |two| scene.tree(two), &mut all)?;
+            MovingSubjects::new(history, &subjects, |two| scene.tree(two)).all(&mut all)?;
             history.sort(&mut all, |hit| hit.0);
             Ok(all)
         })
@@ -99,7 +99,7 @@ impl SceneQuery {
             let (scene, broad, history) = self.moving(ends)?;
             let subjects = scene.subjects(broad, history.executor().cancel_flag())?;
             let known = scene.kept().next().map(|hit| (hit, AT_START));
-            impacts::first_impact(history, &subjects, |two| scene.tree(two), known)
+            MovingSubjects::new(history, &subjects, |two| scene.tree(two)).first(known)
         })
     }
 
@@ -135,7 +135,7 @@ impl SceneQuery {
                 return Ok(Some((hit, AT_START)));
             }
             let subjects = scene.subjects(broad, history.executor().cancel_flag())?;
-            impacts::any_impact(history, &subjects, |two| scene.tree(two))
+            MovingSubjects::new(history, &subjects, |two| scene.tree(two)).any()
         })
     }
 
@@ -158,7 +158,7 @@ impl SceneQuery {
             let (scene, broad, history) = self.moving(ends)?;
             let subjects = scene.subjects(broad, history.executor().cancel_flag())?;
             let kept = scene.kept().count() as u64;
-            let counts = impacts::count(history, &subjects, |two| scene.tree(two))?;
+            let counts = MovingSubjects::new(history, &subjects, |two| scene.tree(two)).count()?;
             Ok(counts.map(|count| kept + count))
         })
     }
@@ -231,7 +231,7 @@ impl<'s> MovingBodies<'s> {
         &self,
         broad: &Broad,
         flag: Option<&AtomicBool>,
-    ) -> Result<Vec<MovingSubject<Places>>, Error> {
+    ) -> Result<Vec<SubjectNodePair<Places>>, Error> {
         let mut subjects = Vec::new();
         let mut add = |two| {
             check(flag)?;
@@ -241,7 +241,7 @@ impl<'s> MovingBodies<'s> {
             }
             let tree = self.tree(two).map(|(_, tree)| tree);
             match tree.and_then(|tree| tree.first_overlap()) {
-                Some(from) => push(&mut subjects, MovingSubject { from, subject: two }),
+                Some(from) => push(&mut subjects, SubjectNodePair::root(two, from)),
                 None => Ok(()),
             }
         };

@@ -161,7 +161,7 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     #[must_use]
     pub fn first_overlap(&self) -> Option<f64> {
         let time = self.start.has_roots().then(|| self.overlap_of(NodePair::ROOT)).flatten()?;
-        Some((time - ROUNDED).max(0.0))
+        Some(before(time))
     }
 
     /// When two triangles meet first; `None` if they do not. Triangles of one mesh may be in either order.
@@ -266,8 +266,12 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     }
 }
 
-/// How much later than the first time of overlap of two nodes that of two of their triangles may be computed to be earlier.
-pub(super) const ROUNDED: f64 = 1.0 / 281_474_976_710_656.0;
+/// A time before which no triangles below two nodes meet whose boxes overlap first at `time`: that of two triangles may be computed to be a
+/// little earlier.
+#[inline(always)]
+pub(super) fn before(time: f64) -> f64 {
+    (time - 1.0 / 281_474_976_710_656.0).max(0.0)
+}
 
 /// The first time at which the boxes of two triangles overlap.
 #[inline]

@@ -1,17 +1,17 @@
 //! The verbs of a query about motions.
 
 use super::Impact;
-use super::bvtt::{Hit, MovingBvtt};
-use super::traversal::{MovingTraversal, Visitor};
+use super::bvtt::{Hit, MovingBvtt, before};
+use super::traversal::MovingTraversal;
 use crate::bvtt::{NodePair, TrianglePair, Work};
 use crate::simd::{Task, VECTORS, widest};
 use core::ops::ControlFlow;
 
 impl<const SELF: bool> MovingBvtt<'_, SELF> {
-    /// Passes on the children of a node whose boxes overlap at a time, at most four. Returns the number of box tests: 0 for a leaf pair,
-    /// which has no children.
-    pub fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair)) -> u32 {
-        self.descend(n, |child, _| push(child))
+    /// Passes on the children of a node whose boxes overlap at a time, at most four, each with a time before which nothing below it meets.
+    /// Returns the number of box tests: 0 for a leaf pair, which has no children.
+    pub fn children(&self, n: NodePair, push: &mut dyn FnMut(NodePair, f64)) -> u32 {
+        self.descend(n, |child, time| push(child, before(time)))
     }
 
     /// Calls `visit` for each pair of triangles below a node pair that meet, until it breaks. Adds its tests to `work`.
@@ -27,11 +27,17 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         work: &mut Work,
         mut visit: impl FnMut(TrianglePair, Impact) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.visit_with_budget(n, work, u64::MAX, &mut visit, &mut |_| ())
+        let at_any_time = &mut |pair, impact| match visit(pair, impact) {
+            ControlFlow::Continue(()) => ControlFlow::Continue(f64::INFINITY),
+            ControlFlow::Break(()) => ControlFlow::Break(()),
+        };
+        self.visit_with_budget(n, work, u64::MAX, f64::INFINITY, at_any_time, &mut |_, _| ())
     }
 
     /// [`MovingBvtt::visit_below`] until `work` has so many tests or a few more: node pairs that are not visited by then are passed to `leave`,
-    /// and what is below these is what is left.
+    /// each with a time before which nothing below it meets, and what is below these is what is left.
+    ///
+    /// `limit` is the latest time that matters, and then what `visit` goes on with: most pairs that meet later are left out.
     ///
     /// # Complexity
     /// As [`MovingBvtt::visit_below`]; at most 3 [`MAX_DEPTH`](crate::bvh::MAX_DEPTH) + 1 node pairs are left.
@@ -50,9 +56,9 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
     ///     let budget = work.tests() + 1_000;
     ///     let mut add = |_, _| {
     ///         found += 1;
-    ///         std::ops::ControlFlow::Continue(())
+    ///         std::ops::ControlFlow::Continue(1.0)
     ///     };
-    ///     let _ = query.visit_with_budget(n, &mut work, budget, &mut add, &mut |n| left.push(n));
+    ///     let _ = query.visit_with_budget(n, &mut work, budget, 1.0, &mut add, &mut |n, _| left.push(n));
     /// }
     /// assert_eq!(found, 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,22 +68,12 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         n: NodePair,
         work: &mut Work,
         budget: u64,
-        visit: &mut dyn FnMut(TrianglePair, Impact) -> ControlFlow<()>,
-        leave: &mut dyn FnMut(NodePair),
+        limit: f64,
+        visit: &mut dyn FnMut(TrianglePair, Impact) -> ControlFlow<(), f64>,
+        leave: &mut dyn FnMut(NodePair, f64),
     ) -> ControlFlow<()> {
-        let visit: &mut Visitor<'_> = &mut |(pair, impact)| match visit(pair, impact) {
-            ControlFlow::Continue(()) => ControlFlow::Continue(f64::INFINITY),
-            ControlFlow::Break(()) => ControlFlow::Break(()),
-        };
-        self.traverse(MovingTraversal {
-            query: self,
-            n,
-            work,
-            limit: f64::INFINITY,
-            budget,
-            leave,
-            visit,
-        })
+        let task = MovingTraversal { query: self, n, work, limit, budget, leave, visit };
+        if VECTORS { widest(task) } else { task.run::<f32>() }
     }
 
     /// [`MovingBvtt::visit_below`] the root.
@@ -136,22 +132,14 @@ impl<const SELF: bool> MovingBvtt<'_, SELF> {
         limit: f64,
     ) -> Option<(TrianglePair, Impact)> {
         let (mut best, mut at_most): (Option<Hit>, f64) = (None, limit);
-        let visit: &mut Visitor<'_> = &mut |hit| {
-            let (pair, impact) = hit;
+        let visit = &mut |pair, impact: Impact| {
             let is_first = best.is_none_or(|best| (impact.from, pair) < (best.1.from, best.0));
             if is_first && impact.from <= at_most {
-                (best, at_most) = (Some(hit), impact.from);
+                (best, at_most) = (Some((pair, impact)), impact.from);
             }
             ControlFlow::Continue(at_most)
         };
-        let (budget, leave) = (u64::MAX, &mut |_| ());
-        let _ =
-            self.traverse(MovingTraversal { query: self, n, work, limit, budget, leave, visit });
+        let _ = self.visit_with_budget(n, work, u64::MAX, limit, visit, &mut |_, _| ());
         best
-    }
-
-    /// Visits pairs below a node pair that meet no later than the limit, or than the visitor says; nodes that overlap first come first.
-    fn traverse(&self, task: MovingTraversal<'_, '_, '_, SELF>) -> ControlFlow<()> {
-        if VECTORS { widest(task) } else { task.run::<f32>() }
     }
 }

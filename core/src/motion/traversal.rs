@@ -1,6 +1,6 @@
 //! The traversal of two meshes that move, in the order of time: leaves in vector lanes, and pairs of triangles that these leave open one by one.
 
-use super::bvtt::{Hit, MovingBvtt, ROUNDED, first_overlap_of, ordered};
+use super::bvtt::{MovingBvtt, before, first_overlap_of, ordered};
 use super::impact::Impact;
 use crate::bvh::MAX_DEPTH;
 use crate::bvtt::{BEFORE, MovingBlocks, MovingGroup, NodePair, TrianglePair, Work};
@@ -8,7 +8,7 @@ use crate::simd::{LANES, Simd, Task};
 use core::ops::ControlFlow;
 
 /// The visitor of pairs that meet: it breaks, or goes on with those that meet no later than a time.
-pub(super) type Visitor<'v> = dyn FnMut(Hit) -> ControlFlow<(), f64> + 'v;
+pub(super) type Visitor<'v> = dyn FnMut(TrianglePair, Impact) -> ControlFlow<(), f64> + 'v;
 
 /// The most pending node pairs. A step pops one and pushes at most four, each deeper in at least one tree unless it is a leaf there: a path
 /// downwards has at most `MAX_DEPTH` steps.
@@ -22,7 +22,7 @@ pub(super) struct MovingTraversal<'t, 'v, 'a, const SELF: bool> {
     pub(super) limit: f64,
     /// The tests from which on node pairs are left.
     pub(super) budget: u64,
-    pub(super) leave: &'t mut dyn FnMut(NodePair),
+    pub(super) leave: &'t mut dyn FnMut(NodePair, f64),
     pub(super) visit: &'t mut Visitor<'v>,
 }
 
@@ -37,11 +37,11 @@ impl<const SELF: bool> Task for MovingTraversal<'_, '_, '_, SELF> {
         while len > 0 {
             len -= 1;
             let (n, time) = stack[len];
-            if time - ROUNDED > self.limit {
+            if before(time) > self.limit {
                 continue;
             }
             if self.work.tests() >= self.budget {
-                (self.leave)(n);
+                (self.leave)(n, before(time));
                 continue;
             }
             let first = len;
@@ -117,7 +117,7 @@ impl<const SELF: bool> MovingTraversal<'_, '_, '_, SELF> {
         let pair = ordered::<SELF>(pair);
         let sides = self.query.leaves(pair);
         let sides = sides.each_ref();
-        let first = first_overlap_of(sides).filter(|first| first - ROUNDED <= self.limit);
+        let first = first_overlap_of(sides).filter(|&first| before(first) <= self.limit);
         match first.and_then(|first| self.query.impact_of(pair, sides, first)) {
             Some(impact) => self.take(pair, impact),
             None => ControlFlow::Continue(()),
@@ -125,7 +125,7 @@ impl<const SELF: bool> MovingTraversal<'_, '_, '_, SELF> {
     }
 
     fn take(&mut self, pair: TrianglePair, impact: Impact) -> ControlFlow<()> {
-        self.limit = match (self.visit)((pair, impact)) {
+        self.limit = match (self.visit)(pair, impact) {
             ControlFlow::Continue(limit) => limit,
             ControlFlow::Break(()) => return ControlFlow::Break(()),
         };

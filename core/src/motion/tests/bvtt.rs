@@ -125,7 +125,7 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
     let (mut front, mut next) = (Vec::from_iter(query.root()), Vec::<NodePair>::new());
     for _ in 0..3 {
         for n in front.drain(..) {
-            if query.children(n, &mut |child| next.push(child)) == 0 {
+            if query.children(n, &mut |child, _| next.push(child)) == 0 {
                 next.push(n);
             }
         }
@@ -142,15 +142,33 @@ fn check<const SELF: bool>(query: &MovingBvtt<'_, SELF>, every: &[Hit]) {
             ControlFlow::Continue(())
         });
     }
-    // With a budget, and then from what that has left.
-    let (mut within_budget, mut left) = (Vec::new(), Vec::from_iter(query.root()));
-    while let Some(n) = left.pop() {
-        let (mut visited, mut add) = (Work::default(), |pair, impact| {
+    // With a budget, and then from what that has left: all, and the first.
+    let (mut within_budget, mut left) =
+        (Vec::new(), Vec::from_iter(query.root().map(|n| (n, 0.0))));
+    while let Some((n, from)) = left.pop() {
+        let (mut visited, mut add) = (Work::default(), |pair, impact: Impact| {
+            assert!(from <= impact.from);
             within_budget.push((pair, impact));
-            ControlFlow::Continue(())
+            ControlFlow::Continue(f64::INFINITY)
         });
-        let _ = query.visit_with_budget(n, &mut visited, 9, &mut add, &mut |n| left.push(n));
+        let leave = &mut |n, from| left.push((n, from));
+        let _ = query.visit_with_budget(n, &mut visited, 9, f64::INFINITY, &mut add, leave);
     }
+    let (mut early, mut left) = (Vec::<Hit>::new(), Vec::from_iter(query.root()));
+    while let Some(n) = left.pop() {
+        let limit = early.last().map_or(f64::INFINITY, |(_, impact)| impact.from);
+        let mut add = |pair, impact: Impact| {
+            let is_first =
+                early.last().is_none_or(|first| (impact.from, pair) < (first.1.from, first.0));
+            if is_first {
+                early.push((pair, impact));
+            }
+            ControlFlow::Continue(early.last().map_or(impact, |first| first.1).from)
+        };
+        let leave = &mut |n, _| left.push(n);
+        let _ = query.visit_with_budget(n, &mut Work::default(), 9, limit, &mut add, leave);
+    }
+    assert_eq!(early.last(), first);
     within_budget.sort_by_key(|hit| hit.0);
     assert_eq!(within_budget, every);
     parts.sort_by_key(|hit| hit.0);
