@@ -1,7 +1,8 @@
 //! The meshes of a world in shared buffers, each once, however many bodies have it.
 
+use super::placing::place;
 use crate::buffer::Usage;
-use crate::layout::Corner;
+use crate::layout::{Body, Corner};
 use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
@@ -9,7 +10,7 @@ use crate::task::Entry;
 use crate::totals::count;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
-use pfront_core::{Aabb, Bvh, MeshError, Node};
+use pfront_core::{Aabb, Bvh, MeshError, Node, Pose};
 use wgpu::{Buffer, CommandEncoder};
 
 /// A first front pairs at most so many nodes: one level on, that is the larger starting front of the paper's GPU algorithm.
@@ -176,6 +177,12 @@ impl Arena {
             schedule: Schedule::new(bvh.nodes()),
             motion: None,
         })
+    }
+
+    /// A body that has a mesh, within the bounds that this has by now.
+    pub(super) fn place(&self, mesh: u32, pose: &Pose) -> Body {
+        let ArenaMesh { first_node, first_slot, bounds, .. } = self.meshes[mesh as usize];
+        Body { first_node, first_slot, ..place(pose, &bounds.unwrap_or(Aabb::EMPTY)) }
     }
 
     /// Bytes of device memory.
