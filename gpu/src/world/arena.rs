@@ -6,7 +6,6 @@ use crate::layout::{Body, Corner};
 use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
-use crate::task::Entry;
 use crate::totals::count;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
@@ -291,17 +290,6 @@ impl ArenaMesh {
         let nodes = self.levels.get(level).map_or(&[][..], Vec::as_slice);
         (nodes, (self.depth - level as u32).max(1))
     }
-}
-
-/// The node pairs of a level of two meshes, the ids of the first beginning with this one.
-pub(super) fn entries(
-    [a, b]: [&ArenaMesh; 2],
-    level: usize,
-    first_id: u32,
-) -> impl Iterator<Item = Entry> {
-    let shift = first_id.wrapping_sub(a.first_node);
-    let (own, others) = (a.level(level).0, b.level(level).0);
-    own.iter().flat_map(move |x| others.iter().map(move |&y| [x.wrapping_add(shift), y]))
 }
 
 /// From the root on, as long as a level paired with its own does not exceed [`MOST_PAIRS`].

@@ -7,7 +7,7 @@
 //! prefix sums would take a dozen loads that wait for each other. `pose.wgsl` makes of each row one that holds the poses, and not where
 //! these are, which is one load less for all other passes.
 
-use super::arena::{Arena, ArenaMesh, MOST_PAIRS, entries};
+use super::arena::{Arena, ArenaMesh, MOST_PAIRS};
 use crate::layout::Row;
 use crate::sequence::groups_for;
 use crate::task::Entry;
@@ -112,9 +112,12 @@ impl Chunks {
             let first_id = (chunk.rows.len() as u32) << *shift;
             let row = Row { bodies: *pair, number: (number - start) as u32, first_id };
             chunk.rows.extend(std::iter::repeat_n(row, blocks));
-            chunk.front.extend(entries(two, *level, first_id));
-            chunk.levels =
-                two.map(|mesh| mesh.level(*level).1).into_iter().fold(chunk.levels, u32::max);
+            let [(own, below_a), (others, below_b)] = two.map(|mesh| mesh.level(*level));
+            let shift = first_id.wrapping_sub(two[0].first_node);
+            for x in own.iter().map(|x| x.wrapping_add(shift)) {
+                chunk.front.extend(others.iter().map(|&y| [x, y]));
+            }
+            chunk.levels = chunk.levels.max(below_a).max(below_b);
         }
         Some(chunk)
     }
