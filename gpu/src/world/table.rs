@@ -27,7 +27,7 @@ pub(super) struct Buffers {
     id: u64,
     bodies: Buffer,
     rows: Buffer,
-    /// What `pose` makes of bodies and rows.
+    /// Written by `pose`.
     pub(super) pairs: Buffer,
     tallies: Buffer,
     /// The bind group of `pose`.
