@@ -104,7 +104,9 @@ fn padding_covers_points_in_common() {
     for (two, extra) in all.as_flattened().iter().zip([0, 1].into_iter().cycle()) {
         let mut pose = |scale: f32| {
             let away = if random() < 0.0 { 1.0 } else { 100.0 };
-            let rows = [(); 3].map(|()| [1.0, 1.0, 1.0, away].map(|x| x * scale * random()));
+            let flat = if random() < -0.5 { 1e-4 } else { 1.0 };
+            let rows = [flat, 1.0, 1.0]
+                .map(|flat| [1.0, 1.0, 1.0, away].map(|x| x * flat * scale * random()));
             if random() < 0.9 { Pose::new(rows) } else { Pose::IDENTITY }
         };
         let poses: Vec<_> = (0..1_000).map(|i| pose(two[i % 2])).collect();
@@ -117,7 +119,7 @@ fn padding_covers_points_in_common() {
         }
         let seen = rows.iter().filter(|(_, is_seen)| *is_seen).count();
         let is_usual = (1e-13..1e13).contains(&two[0]) && two[1] < 1e13;
-        assert_eq!(seen > 480, is_usual, "{two:?}: {seen}");
+        assert_eq!(seen > 300, is_usual, "{two:?}: {seen}");
     }
     let flat = Pose::new([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4]]);
     let rows = rows(&mut world, &[flat, Pose::from_translation([1.0; 3]), Pose::IDENTITY, flat]);
