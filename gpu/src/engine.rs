@@ -404,17 +404,27 @@ impl Engine {
         })
     }
 
-    /// Records that bytes, a multiple of 4, are copied to the begin of a buffer.
+    /// Records that bytes, a multiple of 4, are copied to places in buffers.
     pub(crate) fn write(
         &mut self,
         encoder: &mut CommandEncoder,
-        to: &Buffer,
-        bytes: &[u8],
+        writes: &[(&Buffer, u64, &[u8])],
     ) -> Result<(), GpuError> {
-        let size = bytes.len() as u64;
-        let fill = |mut view: WriteOnly<'_, [u8]>| view.copy_from_slice(bytes);
+        let size = writes.iter().map(|(.., bytes)| bytes.len()).sum::<usize>() as u64;
+        let fill = |mut view: WriteOnly<'_, [u8]>| {
+            let mut from = 0;
+            for (.., bytes) in writes {
+                view.slice(from..from + bytes.len()).copy_from_slice(bytes);
+                from += bytes.len();
+            }
+        };
         let source = self.staging.write(&self.gpu, size, fill)?;
-        encoder.copy_buffer_to_buffer(&source, 0, to, 0, size);
+        let mut from = 0;
+        for (to, at, bytes) in writes {
+            let size = bytes.len() as u64;
+            encoder.copy_buffer_to_buffer(&source, from, to, *at, size);
+            from += size;
+        }
         Ok(())
     }
 

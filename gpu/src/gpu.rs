@@ -8,7 +8,7 @@ use crate::untold::Untold;
 use crate::{GpuError, GpuSettings, GpuTotals, probe};
 use pfront_shaders::{
     BRING, CERTIFY, DEAL, DECIDE, DECIDE_INSTANCES, DIVE, EXPAND, EXPAND_INSTANCES, GATHER, NARROW,
-    NARROW_DIRECT, NARROW_INSTANCES, ORDER, SAMPLE, SEED, SETTLE,
+    NARROW_DIRECT, NARROW_INSTANCES, ORDER, POSE, SAMPLE, SEED, SETTLE,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -45,7 +45,7 @@ struct Shared {
     queue: Queue,
     passes: Passes,
     certifying: OnceLock<Result<Arc<Certifying>, GpuError>>,
-    instances: OnceLock<Result<Arc<Descent>, GpuError>>,
+    instances: OnceLock<Result<Arc<Instances>, GpuError>>,
     moving: OnceLock<Result<Arc<MovingPasses>, GpuError>>,
     target: Target,
     failure: Failure,
@@ -87,6 +87,14 @@ pub(crate) struct Descent {
 pub(crate) struct Certifying {
     pub(crate) narrow: Pass,
     pub(crate) certify: Pass,
+}
+
+/// The passes about instances.
+#[derive(Debug)]
+pub(crate) struct Instances {
+    /// Goes before those of each question.
+    pub(crate) pose: Pass,
+    pub(crate) descent: Arc<Descent>,
 }
 
 impl Descent {
@@ -306,11 +314,13 @@ impl Gpu {
     }
 
     /// The passes about instances, compiled when the first of them is made.
-    pub(crate) fn instances(&self) -> Result<Arc<Descent>, GpuError> {
+    pub(crate) fn instances(&self) -> Result<Arc<Instances>, GpuError> {
         let compile = || {
+            let (device, target) = (self.device(), self.shared.target);
             let passes = [&DIVE, &EXPAND_INSTANCES, &NARROW_INSTANCES, &DECIDE_INSTANCES];
-            let passes = Descent::new(self.device(), self.shared.target, passes, None)?;
-            self.check().map(|()| passes)
+            let descent = Descent::new(device, target, passes, None)?;
+            let passes = Instances { pose: Pass::new(device, &POSE, target)?, descent };
+            self.check().map(|()| Arc::new(passes))
         };
         self.shared.instances.get_or_init(compile).clone()
     }

@@ -73,6 +73,25 @@ shared! {
         padding_3: u32,
     }
 
+    /// An instance, or body.
+    Body {
+        pose: [[f32; 4]; 3],
+        inverse: [[f32; 4]; 3],
+        reach: [f32; 3],
+        flushed: f32,
+        kind: u32,
+        first_node: u32,
+        first_slot: u32,
+        padding: u32,
+    }
+
+    /// A block of ids: two bodies, the number of their pair, and the first of its ids.
+    Row {
+        bodies: [u32; 2],
+        number: u32,
+        first_id: u32,
+    }
+
     /// A pair of instances: how the second stands in the frame in which boxes are compared, and both in the world.
     InstancePair {
         boxes: [[f32; 4]; 3],

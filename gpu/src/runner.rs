@@ -10,7 +10,7 @@
 
 use crate::ahead::Ahead;
 use crate::engine::Engine;
-use crate::layout::{Counters, InstancePair, Query, Rest};
+use crate::layout::{Body, Counters, Query, Rest, Row};
 use crate::memory::reserve;
 use crate::read::read_now;
 use crate::refit::Refit;
@@ -45,8 +45,9 @@ pub(crate) struct Runner {
     pub(crate) open: Vec<TrianglePair>,
     pub(crate) count: u64,
     pub(crate) report: GpuReport,
-    /// The pairs of instances that are asked about, by blocks of ids.
-    pub(crate) instances: Vec<InstancePair>,
+    /// The instances that are asked about, and their pairs by blocks of ids.
+    pub(crate) bodies: Arc<Vec<Body>>,
+    pub(crate) rows: Vec<Row>,
     /// Hits of each of them that the device has decided, if they are wanted of each.
     pub(crate) tallies: Vec<u64>,
     /// How many hits, and how many of the rest, the last answers had: about what the next will have at most.
@@ -91,7 +92,8 @@ impl Runner {
             open: Vec::new(),
             count: 0,
             report: GpuReport::default(),
-            instances: Vec::new(),
+            bodies: Arc::default(),
+            rows: Vec::new(),
             tallies: Vec::new(),
             expected: [1024, 16],
             division: None,
@@ -437,7 +439,7 @@ impl Runner {
             rest = read_now(device, queue, again(), &lists.rest, count, cancel).await?;
         }
         if let (GpuVerb::CountEach, Some(tallies)) = (verb, &self.engine.tallies) {
-            let pairs = self.instances.last().map_or(0, |last| last.number as usize + 1);
+            let pairs = self.rows.last().map_or(0, |last| last.number as usize + 1);
             let tallies: Vec<u32> =
                 read_now(device, queue, again(), tallies, pairs, cancel).await?;
             let more = pairs.saturating_sub(self.tallies.len());
@@ -452,9 +454,9 @@ impl Runner {
             rest.clear();
         }
         let late = self.late.len();
-        let instances = &self.instances;
         reserve(&mut self.late, rest.len())?;
-        self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, instances, rest)));
+        let (rows, bodies) = (&self.rows, &self.bodies);
+        self.late.extend(rest.iter().filter_map(|rest| meet(&task.query, rows, bodies, rest)));
         self.count += u64::from(counters.hits) + (self.late.len() - late) as u64;
         Ok(())
     }
@@ -490,10 +492,10 @@ fn copies(verb: GpuVerb, [hits, rest]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Decides a triangle pair on the CPU.
-fn meet(query: &Query, instances: &[InstancePair], rest: &Rest) -> Option<TrianglePair> {
+fn meet(query: &Query, rows: &[Row], bodies: &[Body], rest: &Rest) -> Option<TrianglePair> {
     let [a, b] = rest.pair;
-    let poses = match instances.get((a >> query.pair_shift) as usize) {
-        Some(pair) => pair.poses.map(Some),
+    let poses = match rows.get((a >> query.pair_shift) as usize) {
+        Some(row) => row.bodies.map(|body| Some(bodies[body as usize].pose)),
         None => [0, 1].map(|side| (query.posed[side] != 0).then_some(query.sides[side].rows)),
     };
     let mut positions = rest.corners.map(|corner| corner.position);

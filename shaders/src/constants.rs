@@ -84,6 +84,12 @@ constants! {
     ANY_EACH = 1;
     /// The number of hits is wanted of each pair of instances.
     COUNT_EACH = 2;
+    /// The pose of a body is not the identity.
+    POSED = 1;
+    /// A pose and the coordinates that it takes a body to leave room in f32: boxes of the body can be compared in the frame of another.
+    IN_RANGE = 2;
+    /// Boxes of other bodies can be compared in the frame of a body, too: its pose can be inverted.
+    INVERTIBLE = 4;
     /// A front was too small.
     FRONT_OVERFLOW = 1;
     /// The list of leaf pairs was too small.

@@ -248,6 +248,9 @@ pub const DECIDE_INSTANCES: Pass = pass!(
     [query, counters, hits, kept, rest, corners_a, order_a, pairs, tallies]
 );
 
+/// How the second of each pair of instances stands to the first.
+pub const POSE: Pass = pass!("pose", [LAYOUT], [bodies, rows, pairs]);
+
 /// The results for the host, hits as they are.
 pub const BRING: Pass = pass!(
     "bring",
@@ -329,7 +332,7 @@ pub const FIT: Pass =
 pub const PROBE: Pass = pass!("probe", [NOTHING, PLACE, SOFT, WIDE], [trials]);
 
 /// Every pass.
-pub const PASSES: [Pass; 26] = [
+pub const PASSES: [Pass; 27] = [
     SEED,
     EXPAND,
     NARROW,
@@ -340,6 +343,7 @@ pub const PASSES: [Pass; 26] = [
     EXPAND_INSTANCES,
     NARROW_INSTANCES,
     DECIDE_INSTANCES,
+    POSE,
     BRING,
     ORDER,
     SAMPLE,

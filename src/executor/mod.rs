@@ -63,8 +63,8 @@
 // On a GPU, steps 3 to 5 are others. Only `Device` of `executor/gpu/` is on this way: the rest is for pairs, batches and tickets.
 // 3. `SceneFrame::on_gpu` in `scene/frame.rs` has `scene/device.rs` bring bodies that have changed into a `World` of pfront-gpu; pairs of
 //    bodies that no GPU answers about are asked on the CPU, and the lists merged.
-// 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, mostly one: `pairs.rs` makes a row of each, with
-//    the poses that `placing.rs` computes, and `arena.rs` has the meshes.
+// 4. `World::all_each` in `gpu/src/world/mod.rs` submits the pairs of bodies in chunks, mostly one: `pairs.rs` makes a row of each, of
+//    which `pose.wgsl` computes how the two are compared, by what `placing.rs` has computed of each body; `arena.rs` has the meshes.
 // 5. `gpu/src/runner.rs` answers a chunk in one run, or in parts if its lists are full. `Engine::dispatch` in `gpu/src/engine.rs` has the
 //    dispatches of a run, by the shaders in `shaders/wgsl/passes`.
 // 6. The way back: `results.rs` copies and reads, `Runner::take` decides on the CPU what the device has not, and `world/answer.rs` makes

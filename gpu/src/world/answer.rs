@@ -50,7 +50,7 @@ impl WorldAnswer {
             })?;
             return Ok(());
         }
-        let rows = &runner.instances;
+        let rows = &runner.rows;
         let hits = || runner.pairs().iter().map(|&hit| pairs::hit(rows, shift, hit));
         match verb {
             GpuVerb::All | GpuVerb::Any | GpuVerb::Count => {}
@@ -77,7 +77,7 @@ pub(super) fn each_list(
     let mut named = Vec::new();
     // The hits of a block of ids follow each other.
     for hits in runner.pairs().chunk_by(|x, y| x.a >> shift == y.a >> shift) {
-        let row = &runner.instances[(hits[0].a >> shift) as usize];
+        let row = &runner.rows[(hits[0].a >> shift) as usize];
         named.clear();
         reserve(&mut named, hits.len())?;
         named.extend(hits.iter().map(|hit| TrianglePair { a: hit.a - row.first_id, b: hit.b }));

@@ -1,15 +1,15 @@
 //! The meshes of a world in shared buffers, each once, however many bodies have it.
 
+use super::placing::place;
 use crate::buffer::Usage;
-use crate::layout::Corner;
+use crate::layout::{Body, Corner};
 use crate::model::{below, reference};
 use crate::schedule::Schedule;
 use crate::sequence::Sequence;
-use crate::task::Entry;
 use crate::totals::count;
 use crate::{Gpu, GpuError, GpuModel};
 use bytemuck::Pod;
-use pfront_core::{Aabb, Bvh, MeshError, Node};
+use pfront_core::{Aabb, Bvh, MeshError, Node, Pose};
 use wgpu::{Buffer, CommandEncoder};
 
 /// A first front pairs at most so many nodes: one level on, that is the larger starting front of the paper's GPU algorithm.
@@ -178,6 +178,12 @@ impl Arena {
         })
     }
 
+    /// A body that has a mesh, within the bounds that this has by now.
+    pub(super) fn place(&self, mesh: u32, pose: &Pose) -> Body {
+        let ArenaMesh { first_node, first_slot, bounds, .. } = self.meshes[mesh as usize];
+        Body { first_node, first_slot, ..place(pose, &bounds.unwrap_or(Aabb::EMPTY)) }
+    }
+
     /// Bytes of device memory.
     pub(super) fn bytes(&self) -> u64 {
         let motions = self.meshes.iter().filter(|mesh| mesh.motion.is_some());
@@ -284,17 +290,6 @@ impl ArenaMesh {
         let nodes = self.levels.get(level).map_or(&[][..], Vec::as_slice);
         (nodes, (self.depth - level as u32).max(1))
     }
-}
-
-/// The node pairs of a level of two meshes, the ids of the first beginning with this one.
-pub(super) fn entries(
-    [a, b]: [&ArenaMesh; 2],
-    level: usize,
-    first_id: u32,
-) -> impl Iterator<Item = Entry> {
-    let shift = first_id.wrapping_sub(a.first_node);
-    let (own, others) = (a.level(level).0, b.level(level).0);
-    own.iter().flat_map(move |x| others.iter().map(move |&y| [x.wrapping_add(shift), y]))
 }
 
 /// From the root on, as long as a level paired with its own does not exceed [`MOST_PAIRS`].

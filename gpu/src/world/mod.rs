@@ -4,32 +4,35 @@ mod answer;
 mod arena;
 mod pairs;
 mod placing;
+mod table;
+#[cfg(test)]
+mod tests;
 
-use crate::buffer::Usage;
 use crate::check::check_pose;
 use crate::engine::Engine;
-use crate::layout::{InstancePair, Query};
+use crate::layout::{Body, InstancePair, Query, Row};
 use crate::memory::reserve;
 use crate::report::reports;
 use crate::runner::{Asked, Runner};
 use crate::task::{GpuVerb, Task};
-use crate::{Gpu, GpuError, GpuModel, GpuReport, GpuSettings};
+use crate::{Gpu, GpuError, GpuReport, GpuSettings};
 pub use answer::WorldAnswer;
 use arena::Arena;
 use bytemuck::Zeroable;
 pub use pairs::BodyPair;
-use pairs::{Body, Chunk, Chunks};
+use pairs::{Chunk, Chunks};
 #[cfg(not(target_arch = "wasm32"))]
 use pfront_core::bvtt::TrianglePair;
 use pfront_core::{Bvh, Mesh, Pose};
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use wgpu::{Buffer, CommandEncoder};
+use table::Table;
 
 /// Many bodies, of which pairs are asked whether they meet in the world. The answer is the same, to the bit, as that of the
 /// CPU: every vertex is posed into the world by [`Pose::apply`], whatever the other body is.
 ///
-/// A body is an instance of a mesh: it takes a pose on the host and nothing on the device, where each mesh lies once
+/// A body is an instance of a mesh: a pose and what comparing boxes takes of it. On the device each mesh lies once
 /// and the passes pose what they test. A scene has its bodies here, and a batch of poses of two meshes is a body for
 /// each pose. The caller finds the pairs of bodies that may meet, by a broad phase over their boxes.
 ///
@@ -38,12 +41,12 @@ use wgpu::{Buffer, CommandEncoder};
 ///
 /// # Memory
 /// On the device, 52 bytes a triangle and 32 a node (about 21 a triangle with the default leaf size) for each mesh; 12
-/// a vertex and about 9 a node more if it deforms; 196 for each pair of the largest question, of which at most 65,535 are
-/// there at a time; and the [`crate::Budget`].
+/// a vertex and about 9 a node more if it deforms; 128 a body, as on the host; 212 for each pair of the largest question, of which at most
+/// 65,535 are there at a time; and the [`crate::Budget`].
 ///
 /// # Complexity
-/// A question about m pairs of bodies takes O(m) on the host and uploads 192 bytes a pair, twice as much where meshes
-/// differ most in size.
+/// A question about m pairs of bodies takes O(m) on the host and uploads 24 bytes a pair, up to twice as much where meshes
+/// differ most in size, and 128 a body from the first to the last that has moved. The device makes rows of pairs of them.
 ///
 /// # Examples
 /// ```no_run
@@ -65,23 +68,19 @@ pub struct World {
     runner: Runner,
     arena: Arena,
     bodies: Arc<Vec<Body>>,
+    /// The number of the mesh of each.
+    meshes: Arc<Vec<u32>>,
+    /// The bodies of which the device does not know yet what they are now.
+    moved: Range<usize>,
     /// Whether a mesh has moved since its bodies were placed.
     is_stale: bool,
-    table: Option<Table>,
+    table: Table,
     /// Memory for rows.
-    spare: Vec<InstancePair>,
+    spare: Vec<Row>,
     question: Option<WorldQuestion>,
     found: WorldAnswer,
     /// Chunks of the next question for all hits, at least.
     chunks: u64,
-}
-
-/// Buffers for the rows of pairs.
-#[derive(Debug)]
-struct Table {
-    id: u64,
-    pairs: Buffer,
-    tallies: Buffer,
 }
 
 /// A question that has been submitted.
@@ -102,13 +101,16 @@ impl World {
     /// [`GpuError::Budget`], [`GpuError::TooLarge`], [`GpuError::OutOfMemory`]; [`GpuError::Device`] if a shader does not
     /// compile.
     pub fn new(gpu: &Gpu, settings: GpuSettings) -> Result<Self, GpuError> {
-        let engine = Engine::with_passes(gpu, &settings, gpu.instances()?)?;
+        let passes = gpu.instances()?;
+        let engine = Engine::with_passes(gpu, &settings, passes.descent.clone())?;
         Ok(Self {
             runner: Runner::new(engine),
             arena: Arena::new(),
             bodies: Arc::default(),
+            meshes: Arc::default(),
+            moved: 0..0,
             is_stale: false,
-            table: None,
+            table: Table::new(passes),
             spare: Vec::new(),
             question: None,
             found: WorldAnswer::default(),
@@ -119,7 +121,7 @@ impl World {
     /// Removes all bodies and all meshes.
     pub fn clear(&mut self) {
         self.question = None;
-        self.bodies = Arc::default();
+        (self.bodies, self.meshes) = Default::default();
         self.arena = Arena::new();
     }
 
@@ -144,7 +146,7 @@ impl World {
     /// [`GpuError::NoMesh`]; [`GpuError::Pose`] if a pose is not finite or takes its body out of range; [`GpuError::Coordinate`].
     pub fn set_bodies(&mut self, bodies: &[(u32, Pose)]) -> Result<(), GpuError> {
         bodies.iter().try_for_each(|(mesh, pose)| self.check(*mesh, pose))?;
-        let placed = bodies.iter().map(|(mesh, pose)| Body::new(&self.arena, *mesh, pose));
+        let placed = bodies.iter().map(|(mesh, pose)| self.arena.place(*mesh, pose));
         match Arc::get_mut(&mut self.bodies) {
             Some(own) => {
                 own.clear();
@@ -152,7 +154,8 @@ impl World {
             }
             None => self.bodies = Arc::new(placed.collect()),
         }
-        self.is_stale = false;
+        self.meshes = Arc::new(bodies.iter().map(|(mesh, _)| *mesh).collect());
+        (self.moved, self.is_stale) = (0..bodies.len(), false);
         Ok(())
     }
 
@@ -162,14 +165,16 @@ impl World {
     /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range; [`GpuError::Coordinate`].
     ///
     /// # Complexity
-    /// O(1), and nothing on the device.
+    /// O(1); O(bodies) while a question has not been read.
     pub fn set_pose(&mut self, body: u32, world_from_body: Pose) -> Result<(), GpuError> {
-        let bodies = self.bodies.len() as u32;
-        let own = self.bodies.get(body as usize).ok_or(GpuError::NoBody { body, bodies })?;
-        let mesh = own.mesh;
+        let (bodies, at) = (self.bodies.len() as u32, body as usize);
+        let mesh = *self.meshes.get(at).ok_or(GpuError::NoBody { body, bodies })?;
         self.check(mesh, &world_from_body)?;
-        let placed = Body::new(&self.arena, mesh, &world_from_body);
-        Arc::make_mut(&mut self.bodies)[body as usize] = placed;
+        Arc::make_mut(&mut self.bodies)[at] = self.arena.place(mesh, &world_from_body);
+        self.moved = match &self.moved {
+            moved if moved.is_empty() => at..at + 1,
+            moved => moved.start.min(at)..moved.end.max(at + 1),
+        };
         Ok(())
     }
 
@@ -303,9 +308,10 @@ impl World {
             return Err(GpuError::NoBody { body, bodies });
         }
         if std::mem::take(&mut self.is_stale) {
-            for body in Arc::make_mut(&mut self.bodies) {
-                *body = Body::new(&self.arena, body.mesh, &body.placed.pose);
+            for (body, &mesh) in Arc::make_mut(&mut self.bodies).iter_mut().zip(&*self.meshes) {
+                *body = self.arena.place(mesh, &Pose::new(body.pose));
             }
+            self.moved = 0..self.bodies.len();
         }
         let limits = self.runner.engine.gpu.device().limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -316,10 +322,15 @@ impl World {
             _ => pairs.len(),
         };
         let most = [most_rows, most_pairs.max(1)];
-        let mut chunks = Chunks::new(&self.arena, self.bodies.clone(), pairs, most, is_each);
+        let mut chunks = Chunks::new(&self.arena, self.meshes.clone(), pairs, most, is_each);
         let first = chunks.next(&self.arena, pairs, std::mem::take(&mut self.spare));
         let later = (!chunks.is_over(pairs)).then_some(chunks);
-        let now = first.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
+        let begin = |chunk| {
+            self.runner.bodies = self.bodies.clone();
+            let moved = std::mem::replace(&mut self.moved, 0..0);
+            self.submit_chunk(chunk, moved, verb)
+        };
+        let now = first.map(begin).transpose()?;
         self.question = Some(WorldQuestion { verb, pairs: pairs.to_vec(), later, now });
         Ok(())
     }
@@ -403,8 +414,9 @@ impl World {
             if next.is_some() && self.runner.engine.is_cancelled() {
                 return Err(GpuError::Cancelled);
             }
-            now = next.map(|chunk| self.submit_chunk(chunk, verb)).transpose()?;
+            now = next.map(|chunk| self.submit_chunk(chunk, 0..0, verb)).transpose()?;
         }
+        self.runner.bodies = Arc::default();
         self.runner.report = report;
         if verb == GpuVerb::All {
             // As many as have the hits of each put in order by the device, at least if pairs are alike.
@@ -425,11 +437,10 @@ impl World {
         self.runner.engine.cancel = flag;
     }
 
-    /// Bytes of device memory that meshes and pairs take.
+    /// Bytes of device memory that meshes, bodies and pairs take.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let table = self.table.as_ref().map_or(0, |own| own.pairs.size() + own.tallies.size());
-        self.arena.bytes() + table
+        self.arena.bytes() + self.table.bytes()
     }
 
     fn check(&self, mesh: u32, pose: &Pose) -> Result<(), GpuError> {
@@ -442,14 +453,19 @@ impl World {
     }
 
     /// Records and submits what brings the device up to date, and the first run over a chunk.
-    fn submit_chunk(&mut self, chunk: Chunk, verb: GpuVerb) -> Result<(Asked, usize), GpuError> {
+    fn submit_chunk(
+        &mut self,
+        chunk: Chunk,
+        moved: Range<usize>,
+        verb: GpuVerb,
+    ) -> Result<(Asked, usize), GpuError> {
         let gpu = self.runner.engine.gpu.clone();
         let Chunk { rows, shift, first, front, levels } = chunk;
-        gpu.checked(|| {
+        self.spare = std::mem::replace(&mut self.runner.rows, rows);
+        let submit = || {
             let mut encoder = self.runner.engine.encoder();
             self.arena.record_refits(&mut encoder);
-            self.write(&mut encoder, &rows)?;
-            self.spare = std::mem::replace(&mut self.runner.instances, rows);
+            self.table.write(&mut self.runner, &self.arena, &mut encoder, moved)?;
             let leaf_size = self.arena.leaf_size;
             let query = Query { pair_shift: shift, leaf_size, ..Query::zeroed() };
             let root = front.first().copied().unwrap_or_default();
@@ -458,46 +474,9 @@ impl World {
             self.runner.engine.submit(encoder.finish());
             self.arena.moved.clear();
             Ok((asked, first))
-        })
-    }
-
-    /// Records that the rows are written, and binds all buffers.
-    fn write(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        rows: &[InstancePair],
-    ) -> Result<(), GpuError> {
-        let gpu = self.runner.engine.gpu.clone();
-        let bytes = size_of_val(rows) as u64;
-        let tallies = rows.last().map_or(0, |last| u64::from(last.number) + 1) * 4;
-        let is_enough =
-            |table: &Table| table.pairs.size() >= bytes && table.tallies.size() >= tallies;
-        let table = match self.table.take().filter(is_enough) {
-            Some(table) => table,
-            None => Table {
-                id: GpuModel::next_id(),
-                pairs: gpu.buffer("the pairs", bytes, Usage::Input)?,
-                tallies: gpu.buffer("the tallies", tallies, Usage::List)?,
-            },
         };
-        let Table { id, pairs, tallies } = self.table.insert(table);
-        self.runner.engine.write(encoder, pairs, bytemuck::cast_slice(rows))?;
-        let Arena { nodes, corners, order, .. } = &self.arena;
-        let engine = &mut self.runner.engine;
-        if let (Some(nodes), Some(corners), Some(order)) =
-            (nodes.buffer(), corners.buffer(), order.buffer())
-        {
-            let buffers = [
-                ("nodes_a", nodes),
-                ("corners_a", corners),
-                ("order_a", order),
-                ("pairs", &*pairs),
-                ("tallies", &*tallies),
-            ];
-            engine.bind_buffers([self.arena.id, *id], &buffers)?;
-        }
-        engine.tallies = Some(tallies.clone());
-        Ok(())
+        // Nothing is known of what is there then.
+        gpu.checked(submit).inspect_err(|_| self.table.buffers = None)
     }
 }
 

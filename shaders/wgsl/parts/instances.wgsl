@@ -6,23 +6,6 @@
 // block has the row of its pair, so that finding it takes a shift and no search. Nodes and slots of the second side
 // are those of the arrays, and its triangles are numbered within their mesh.
 
-struct InstancePair {
-    // The second body, seen from the frame in which boxes are compared.
-    boxes: array<vec4f, 3>,
-    // The padding of boxes of each side beside PADDING; bit i of `posed_boxes`: boxes of side i are posed.
-    pad_a: vec3f,
-    posed_boxes: u32,
-    pad_b: vec3f,
-    // Number of the pair.
-    number: u32,
-    // Where its run of ids begins, and the nodes and slots of the first mesh.
-    first_id: u32,
-    first_node: u32,
-    first_slot: u32,
-    // Poses in the world.
-    poses: array<array<vec4f, 3>, 2>,
-}
-
 @group(1) @binding(0) var<storage, read> nodes_a: array<NodeWords>;
 @group(1) @binding(1) var<storage, read> corners_a: array<CornerWords>;
 @group(1) @binding(2) var<storage, read> order_a: array<u32>;

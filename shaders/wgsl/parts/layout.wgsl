@@ -60,6 +60,24 @@ struct Query {
     ticket: u32,
 }
 
+// A pair of instances.
+struct InstancePair {
+    // The second body, seen from the frame in which boxes are compared.
+    boxes: array<vec4f, 3>,
+    // The padding of boxes of each side beside PADDING; bit i of `posed_boxes`: boxes of side i are posed.
+    pad_a: vec3f,
+    posed_boxes: u32,
+    pad_b: vec3f,
+    // Number of the pair.
+    number: u32,
+    // Where its run of ids begins, and the nodes and slots of the first mesh.
+    first_id: u32,
+    first_node: u32,
+    first_slot: u32,
+    // Poses in the world.
+    poses: array<array<vec4f, 3>, 2>,
+}
+
 // Where vertices are in a buffer of the caller's, by words, and the box that holds them, in whole numbers that are in the order of f32.
 struct Taking {
     low: vec3i,
