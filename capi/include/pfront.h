@@ -649,7 +649,7 @@ typedef struct pfront_motion_t {
 typedef struct pfront_impact_t {
   // The triangles.
   struct pfront_pair_t pair;
-  // They do not meet before this time.
+  // They do not meet before this time; 0 is the start of the motion and 1 its end.
   double from;
   // They certainly meet between `from` and this time; INFINITY if that is open, as where they touch and do not pass.
   double to;
