@@ -3,7 +3,7 @@
 //!
 //! `cargo run --example robot_link`
 //!
-//! `SceneQuery::first_impact` asks about the way from pose to pose, on which corners go in straight lines. Those of a link turn: a corner at the
+//! `SceneQuery::first_impact` asks about the way from pose to pose, on which corners go in straight lines. Corners of a link turn: one at the
 //! distance r from an axis, which turns by θ, is up to r θ²/8 away from its line, and each joint on the way to it adds as much. So
 //! it is asked what comes within that distance, and no contact is missed. Half a step has a quarter of it, so that the
 //! time of a contact is found by halves.
