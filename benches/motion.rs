@@ -55,26 +55,21 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize, threads: usize) {
         (0..rounds).map(|_| once()).fold(f64::INFINITY, f64::min)
     };
     let mut found: Vec<Vec<(TrianglePair, Impact)>> = Vec::new();
-    let mut query = SelfQuery::new();
+    let (mut firsts, mut query) = (Vec::new(), SelfQuery::new());
     let one = best(&mut || {
         found = motions.iter().map(|motion| query.impacts(motion).unwrap()).collect();
     });
-    let mut query = SelfQuery::new().on(&Executor::threads(threads));
-    let all = best(&mut || {
-        for (motion, found) in motions.iter().zip(&found) {
-            assert!(query.impacts(motion).unwrap() == *found);
-        }
-    });
-    let mut firsts = Vec::new();
-    let mut query = SelfQuery::new();
     let first = best(&mut || {
         firsts = motions.iter().map(|motion| query.first_impact(motion).unwrap()).collect();
     });
-    let mut query = SelfQuery::new().on(&Executor::threads(threads));
+    let mut many = SelfQuery::new().on(&Executor::threads(threads));
+    let all = best(&mut || {
+        let mut answers = motions.iter().zip(&found);
+        assert!(answers.all(|(motion, found)| many.impacts(motion).unwrap() == *found));
+    });
     let first_of_all = best(&mut || {
-        for (motion, first) in motions.iter().zip(&firsts) {
-            assert!(query.first_impact(motion).unwrap() == *first);
-        }
+        let mut answers = motions.iter().zip(&firsts);
+        assert!(answers.all(|(motion, first)| many.first_impact(motion).unwrap() == *first));
     });
     let still = best(&mut || {
         for [start, _] in steps {
@@ -95,13 +90,9 @@ fn time(name: &str, steps: &[[Model; 2]], rounds: usize, threads: usize) {
         "  impacts {one:.2} ms, on {threads} threads {all:.2} ms; first {first:.2} ms, on threads {first_of_all:.2} ms; static {still:.2} ms"
     );
     let times = |of: fn(&Work) -> u64| of(&moving) as f64 / of(&at_rest) as f64;
-    println!(
-        "  box tests {} x {:.3}, triangle tests {} x {:.3}",
-        moving.box_tests,
-        times(|work| work.box_tests),
-        moving.triangle_tests,
-        times(|work| work.triangle_tests)
-    );
+    let [boxes, triangles] = [times(|work| work.box_tests), times(|work| work.triangle_tests)];
+    println!("  box tests {} x {boxes:.3}", moving.box_tests);
+    println!("  triangle tests {} x {triangles:.3}", moving.triangle_tests);
 }
 
 /// Tests of the motions, and of the same traversal from the start to itself.

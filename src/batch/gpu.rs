@@ -1,8 +1,8 @@
 //! Answering a batch on a GPU, which submits without waiting; the thread of the executor reads.
 //!
-//! A batch goes there in parts: all pairs of models in f32 are one, as bodies of a world; a model with itself, a pair in
+//! A batch goes there in parts: pairs of models in f32 are one, as bodies of a world, for as many as a submission holds; a model with itself, a pair in
 //! f64, by its shadow, pairs within a distance, and a lone pair are one each. Two parts are submitted at a time, so that the device works on one while
-//! the other is read. A model in f64 with itself is a part that the thread answers by itself.
+//! the other is read, and the next one gathered. A model in f64 with itself is a part that the thread answers by itself.
 
 use super::cpu::Steps;
 use super::found::Found;
@@ -53,6 +53,9 @@ enum Part {
     OnCpu(usize),
 }
 
+/// The most pairs of a part: a submission of a world has no more.
+const PAIRS: usize = 65_535;
+
 fn parts(job: &Job) -> Vec<Part> {
     let (mut pairs, mut others) = (Vec::new(), Vec::new());
     for (number, question) in job.questions.iter().enumerate() {
@@ -64,12 +67,12 @@ fn parts(job: &Job) -> Vec<Part> {
             others.push(Part::One(number));
         }
     }
-    match pairs[..] {
-        [] => {}
-        [only] => others.insert(0, Part::One(only)),
-        _ => others.insert(0, Part::Pairs(pairs)),
+    if let [only] = pairs[..] {
+        others.insert(0, Part::One(only));
+        return others;
     }
-    others
+    let pairs = pairs.chunks(PAIRS).map(|part| Part::Pairs(part.to_vec()));
+    pairs.chain(others).collect()
 }
 
 impl Part {

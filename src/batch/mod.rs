@@ -32,8 +32,9 @@
 //!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
 //!   other. Tickets are answered in about the order of submission.
 //! - **A GPU**: the call uploads models that are not there and submits, so that its place in the queue is before everything
-//!   submitted later. All pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
-//!   triangles or nodes in all: the next are prepared while the device works on the last. A model with itself is a submission of its
+//!   submitted later. Pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
+//!   triangles or nodes in all: the next are gathered and submitted while the device works on the last, by another thread, in lists and with
+//!   copies of the meshes of their own. A model with itself is a submission of its
 //!   own, and so is a pair of which a model or the pose is in f64: the device answers by shadows, and what it leaves open is decided
 //!   on the CPU. A pair within a distance is a submission of its own, too. A model in f64 with itself is asked on the CPU, and so is
 //!   a model with itself within a distance. [`Ticket::plan`] tells who answers.

@@ -304,3 +304,24 @@ fn a_batch_goes_from_device_to_device() {
         }
     }
 }
+
+/// Pairs that are more than a submission holds are several, with what else is asked between them.
+#[test]
+fn a_batch_of_several_submissions_is_answered_in_order() {
+    let tile = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let tile = Arc::new(Model::new(tile, vec![[0, 1, 2]]).unwrap());
+    let (_, executor) = EXECUTORS.iter().find(|(name, _)| *name == "gpu").unwrap();
+    let mut batch = Batch::new();
+    for i in 0..66_000 {
+        if i == 33_000 {
+            batch.itself(&sheet(200), Adjacency::default());
+        }
+        batch.pair(&tile, &tile, Pose::from_translation([0.0, 0.0, (i % 3) as f32])).unwrap();
+    }
+    let (counts, lists) = (batch.count(executor).unwrap(), batch.all(executor).unwrap());
+    let (mut counts, mut lists) =
+        (counts.read().unwrap(), lists.read().unwrap().iter().map(<[_]>::len).collect::<Vec<_>>());
+    assert_eq!(counts.remove(33_000), lists.remove(33_000) as u64);
+    assert!(counts.iter().enumerate().all(|(i, &count)| count == u64::from(i % 3 == 0)));
+    assert!(lists.iter().enumerate().all(|(i, &len)| len == usize::from(i % 3 == 0)));
+}

@@ -1,7 +1,7 @@
 //! Impacts: which triangles of some subjects meet while these move, whether any do, how many, and when first, on the CPU of an executor.
 
 mod front;
-#[cfg(test)]
+#[cfg(all(test, feature = "threads"))]
 mod tests;
 mod tree;
 

@@ -46,10 +46,7 @@ const CUTS: [Cut; 4] = [
 fn executors() -> Vec<Executor> {
     let sequential = Executor::sequential();
     let flagged = sequential.clone().with_cancel(Arc::new(AtomicBool::new(false)));
-    #[cfg(feature = "threads")]
-    return [sequential, flagged].into_iter().chain([1, 2, 7].map(Executor::threads)).collect();
-    #[cfg(not(feature = "threads"))]
-    vec![sequential, flagged]
+    [sequential, flagged].into_iter().chain([1, 2, 7].map(Executor::threads)).collect()
 }
 
 /// The pairs of a tree, visited from its root.
