@@ -1466,49 +1466,6 @@ pfront_status_t pfront_scene_user_data(const struct pfront_scene_t *scene,
                                        uint64_t *user_data,
                                        struct pfront_error_t *error);
 
-// Finds all pairs of triangles of two models that meet while both move: `count` of them in `impacts`, sorted by their pairs. With `b` null, those
-// of `a` with itself while it deforms, by `rule`: PFRONT_SHARED_INDEX or PFRONT_SKIP_NEIGHBOURS. No pair is missed. CPUs answer, whatever
-// the executor. After `pfront_model_query_within`, pairs are those that come within the distance on the way. `impacts` belongs to the query and is
-// good until this is called again, or the query is freed.
-pfront_status_t pfront_model_query_impacts(struct pfront_model_query_t *query,
-                                           const struct pfront_motion_t *a,
-                                           const struct pfront_motion_t *b,
-                                           uint32_t rule,
-                                           const struct pfront_impact_t **impacts,
-                                           size_t *count,
-                                           struct pfront_error_t *error);
-
-// Finds the pair of triangles that meets first: `found` is 1 and `impact` tells it, or `found` is 0 and `impact` is not written. All else is
-// as for `pfront_model_query_impacts`.
-pfront_status_t pfront_model_query_first_impact(struct pfront_model_query_t *query,
-                                                const struct pfront_motion_t *a,
-                                                const struct pfront_motion_t *b,
-                                                uint32_t rule,
-                                                struct pfront_impact_t *impact,
-                                                uint32_t *found,
-                                                struct pfront_error_t *error);
-
-// Finds some pair of triangles that meets, and stops at the first that certainly does: `found` is 1 and `impact` tells it, or `found` is 0
-// and `impact` is not written. `to` is INFINITY only if all that `pfront_model_query_impacts` finds are open. Executors may find different
-// pairs. All else is as for `pfront_model_query_impacts`.
-pfront_status_t pfront_model_query_any_impact(struct pfront_model_query_t *query,
-                                              const struct pfront_motion_t *a,
-                                              const struct pfront_motion_t *b,
-                                              uint32_t rule,
-                                              struct pfront_impact_t *impact,
-                                              uint32_t *found,
-                                              struct pfront_error_t *error);
-
-// Tells how many pairs of triangles meet: at least `low`, which certainly do, and at most `high`, which are all that
-// `pfront_model_query_impacts` finds. No list is kept. All else is as for `pfront_model_query_impacts`.
-pfront_status_t pfront_model_query_count_impacts(struct pfront_model_query_t *query,
-                                                 const struct pfront_motion_t *a,
-                                                 const struct pfront_motion_t *b,
-                                                 uint32_t rule,
-                                                 uint64_t *low,
-                                                 uint64_t *high,
-                                                 struct pfront_error_t *error);
-
 // Finds all pairs of triangles of different bodies that meet: `count` of them in `hits`, sorted by bodies, then
 // triangles. They belong to the scene and are good until this is called again, or the scene is freed. Answers about
 // bodies that stand still are kept, so that a frame costs what the others do.

@@ -57,7 +57,12 @@ fn the_header_is_up_to_date() {
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let out = &Path::new(env!("CARGO_TARGET_TMPDIR")).join("header");
+    // Files of an earlier run may be modules to cbindgen.
+    if out.exists() {
+        fs::remove_dir_all(out).unwrap();
+    }
+    fs::create_dir(out).unwrap();
     let builder = MODULES.iter().fold(cbindgen::Builder::new(), |builder, module| {
         let source = fs::read_to_string(folder.join(format!("src/{module}.rs"))).unwrap();
         // A name that no `mod` of another leads to, or cbindgen would read it twice.
