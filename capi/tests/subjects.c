@@ -626,7 +626,7 @@ static void deforming(void)
     OK(pfront_model_set_positions_f64(exact, executor, wide, VERTICES, 0, &error));
     OK(pfront_model_query_count(query, &doubled, &count, &error));
     THAT(count == 0);
-    EXPECT(PFRONT_TOO_SMALL, "positions", pfront_model_set_positions(cloth, NULL, points, VERTICES - 1, 0, &error));
+    EXPECT(PFRONT_VERTEX_COUNT, "positions", pfront_model_set_positions(cloth, NULL, points, VERTICES - 1, 0, &error));
     EXPECT(PFRONT_TOO_SMALL, "stride", pfront_model_set_positions(cloth, NULL, points, VERTICES, 11, &error));
     EXPECT(PFRONT_NULL, "positions", pfront_model_set_positions(cloth, NULL, NULL, VERTICES, 0, &error));
     EXPECT(PFRONT_NULL, "model", pfront_model_set_positions(NULL, NULL, points, VERTICES, 0, &error));
