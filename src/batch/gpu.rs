@@ -12,7 +12,7 @@ use crate::gpu::GpuQuery;
 use crate::memory::{push, reserve};
 use crate::ticket::{Outcome, Shown};
 use crate::{Distance, Error};
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
@@ -36,6 +36,7 @@ pub(super) fn submit<T: Send + 'static>(
         in_flight: VecDeque::new(),
         found: Vec::new(),
         failure: None,
+        triangles: triangles(&job),
         job,
         answer,
     };
@@ -75,6 +76,24 @@ fn parts(job: &Job) -> Vec<Part> {
     pairs.chain(others).collect()
 }
 
+/// Triangles of the models of pairs in f32, each once.
+fn triangles(job: &Job) -> usize {
+    let (mut known, mut sum, mut last) = (HashSet::new(), 0, [None; 2]);
+    for (models, _) in job.questions.iter().filter_map(|question| question.pair_in_f32()) {
+        let stamps = models.map(|model| Some(model.stamp()));
+        // Neighbours are mostly about the same models.
+        if std::mem::replace(&mut last, stamps) == stamps {
+            continue;
+        }
+        for model in models {
+            if known.insert(model.stamp()) {
+                sum += model.mesh().triangles().len();
+            }
+        }
+    }
+    sum
+}
+
 impl Part {
     fn questions(&self) -> &[usize] {
         match self {
@@ -102,6 +121,8 @@ enum Submitted {
 struct Answering<T> {
     device: Arc<Device>,
     job: Job,
+    /// Triangles of the models of all pairs in f32.
+    triangles: usize,
     answer: fn(Found) -> T,
     outcome: Arc<Outcome<T>>,
     /// Parts that are left to be submitted, the next one first.
@@ -163,7 +184,7 @@ impl<T> Answering<T> {
                     numbers.iter().filter_map(|&n| self.job.questions[n].pair_in_f32()).collect();
                 let mut world = Box::new(self.device.lend_gathered()?);
                 world.set_cancel(Some(self.outcome.flag().clone()));
-                world.submit(&pairs, self.job.verb)?;
+                world.submit(&pairs, self.triangles, self.job.verb)?;
                 Submitted::World(world)
             }
             &Part::One(number) => {

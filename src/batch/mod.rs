@@ -31,8 +31,8 @@
 //! - **Threads**: the pool of the executor. If there are at least as many questions as threads, each thread takes the next
 //!   few, and a question is answered by one thread, however large; otherwise all threads divide one question after the
 //!   other. Tickets are answered in about the order of submission.
-//! - **A GPU**: the call uploads models that are not there and submits, so that its place in the queue is before everything
-//!   submitted later. Pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
+//! - **A GPU**: the call uploads models that are not there and submits the first part, so that its place in the queue is before everything
+//!   submitted later; what cannot be done of later parts, reading tells. Pairs of models in f32 are one submission up to 65,535, and fewer of meshes that have more than 2³¹
 //!   triangles or nodes in all: the next are gathered and submitted while the device works on the last, by another thread, in lists and with
 //!   copies of the meshes of their own. A model with itself is a submission of its
 //!   own, and so is a pair of which a model or the pose is in f64: the device answers by shadows, and what it leaves open is decided

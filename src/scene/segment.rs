@@ -88,11 +88,14 @@ impl SceneQuery {
         with_default(|| {
             let segment = Segment::new(from, to)?;
             let places = self.places_around(segment.points())?;
-            let flag = self.history.executor().cancel_flag();
-            let not_cancelled = |_: &&Body| executor::check(flag).is_ok();
-            let bodies = self.bodies_at(&places).take_while(not_cancelled);
+            // The flag may be cleared again before all is over.
+            let (flag, mut heard) = (self.history.executor().cancel_flag(), Ok(()));
+            let bodies = self.bodies_at(&places).take_while(|_| {
+                heard = executor::check(flag);
+                heard.is_ok()
+            });
             let first = segment.first(bodies.map(Body::placed));
-            executor::check(flag)?;
+            heard?;
             let body = |number| self.bodies_at(&places).nth(number).map(Body::id);
             Ok(first.and_then(|(number, hit)| Some((body(number)?, hit))))
         })

@@ -165,7 +165,7 @@ impl World {
     /// [`GpuError::NoBody`]; [`GpuError::Pose`] if the pose is not finite or takes the body out of range; [`GpuError::Coordinate`].
     ///
     /// # Complexity
-    /// O(1); O(bodies) while a question has not been read.
+    /// O(1); O(bodies) while a question has not been read, and once after one that failed.
     pub fn set_pose(&mut self, body: u32, world_from_body: Pose) -> Result<(), GpuError> {
         let (bodies, at) = (self.bodies.len() as u32, body as usize);
         let mesh = *self.meshes.get(at).ok_or(GpuError::NoBody { body, bodies })?;
@@ -223,7 +223,8 @@ impl World {
     /// All pairs of triangles of these pairs of bodies that meet, sorted; the first triangle is one of the first body.
     ///
     /// # Errors
-    /// [`GpuError::NoBody`]; [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
+    /// [`GpuError::NoBody`]; [`GpuError::TooLarge`] if 128 bytes for each body of the world are more than the device binds: a million by WebGPU's
+    /// default limits; [`GpuError::DeviceLost`], [`GpuError::Device`], [`GpuError::OutOfMemory`].
     pub fn all(&mut self, pairs: &[BodyPair]) -> Result<&[(BodyPair, TrianglePair)], GpuError> {
         Ok(&self.ask(pairs, GpuVerb::All)?.hits)
     }

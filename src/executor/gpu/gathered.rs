@@ -25,10 +25,12 @@ impl Gathered {
         Ok(Self { world, meshes: HashMap::new(), triangles: 0, firsts: 0 })
     }
 
-    /// Submits a question about each of these pairs of models and poses `a_from_b`, and does not wait.
+    /// Submits a question about each of these pairs of models and poses `a_from_b`, and does not wait. They are a part of a batch whose models
+    /// have so many triangles in all.
     pub(crate) fn submit(
         &mut self,
         pairs: &[([&Model; 2], Pose)],
+        in_batch: usize,
         verb: Verb,
     ) -> Result<(), GpuError> {
         // Neighbours are mostly about the same models, which need no look-up.
@@ -40,7 +42,7 @@ impl Gathered {
             places.map(|(i, side)| pairs[i].0[side]).map(|model| (model.stamp(), model)).collect();
         let count = |model: &&Model| model.mesh().triangles().len();
         // Meshes that nothing asks about any more are kept until they are most of all.
-        if self.triangles > 2 * used.values().map(count).sum::<usize>() {
+        if self.triangles > 2 * in_batch {
             self.world.clear();
             self.meshes.clear();
             self.triangles = 0;

@@ -162,7 +162,7 @@ where
         let (mut front, mut budget) = (copy(self.subjects)?, u64::MAX);
         if !is_whole(history.executor()) {
             let is_few = front.len() < 2 * cut.least;
-            budget = if is_few { cut.alone / front.len().max(1) as u64 } else { cut.budget };
+            budget = if is_few { cut.alone / front.len().max(1) as u64 } else { cut.budget }.max(1);
             front = if is_few { front } else { self.front(front, limit)? };
         }
         loop {

@@ -36,7 +36,7 @@ impl AnyMovingBvtt<'_> {
         }
     }
 
-    /// [`MovingBvtt::visit_with_budget`], which what rests needs none of.
+    /// [`MovingBvtt::visit_with_budget`]; of what rests, too.
     pub(super) fn visit_with_budget(
         &self,
         n: NodePair,
@@ -50,10 +50,18 @@ impl AnyMovingBvtt<'_> {
             Self::Pair(tree) => tree.visit_with_budget(n, work, budget, limit, visit, leave),
             Self::Itself(tree) => tree.visit_with_budget(n, work, budget, limit, visit, leave),
             Self::Still(tree) => {
-                tree.visit(&mut Cursor::at(n), |pair| match visit(pair, AT_START) {
+                let mut visit = |pair| match visit(pair, AT_START) {
                     ControlFlow::Continue(_) => ControlFlow::Continue(()),
                     ControlFlow::Break(()) => ControlFlow::Break(()),
-                })
+                };
+                let mut cursor = Cursor::at(n);
+                let mut end = tree.step(&mut cursor, budget, &mut visit);
+                if end.is_continue() {
+                    cursor.take_pending().iter().for_each(|&n| leave(n, 0.0));
+                    // At most one leaf pair is left.
+                    end = tree.visit(&mut cursor, visit);
+                }
+                end
             }
         };
     }
