@@ -1138,7 +1138,7 @@ pfront_status_t pfront_model_from_blob(const void *blob,
 
 // Moves the vertices of a model, given in its own frame: as many as it has, `stride` bytes apart, where 0 stands for 12. The threads of `executor`
 // refit its BVH, or the calling one if that is null; for a GPU, the next question refits it there. Bodies that were made of the model stay
-// as they are, and so do queries that keep it: then the model is copied first. PFRONT_BUSY if another thread is inside a call
+// as they are, and so do queries that keep it: then the model is copied first, also for positions that are refused. PFRONT_BUSY if another thread is inside a call
 // with it. In O(vertices + triangles), but that a BVH which has worn is built anew.
 pfront_status_t pfront_model_set_positions(struct pfront_model_t *model,
                                            const struct pfront_executor_t *executor,
