@@ -175,7 +175,7 @@ where
         }
     }
 
-    /// A cut of the trees below some node pairs, of about so many as a front has if there are, one subject after the other. One thread makes a sixteenth
+    /// A cut of the trees below some node pairs, of about so many as a front has if there are, in the order of these. One thread makes a sixteenth
     /// of it, and all of them the rest. For several threads, node pairs that are near each other are spread over the list, so that no piece of
     /// it has all of where much meets.
     fn front(
@@ -211,7 +211,7 @@ fn is_whole(executor: &Executor) -> bool {
     executor.pool.is_none() && executor.cancel_flag().is_none()
 }
 
-/// Adds a cut of the trees below some node pairs, of about so many node pairs if there are, one subject after the other.
+/// Adds a cut of the trees below some node pairs, of about so many node pairs if there are, in the order of these.
 fn refine<'q, N, S: Copy + PartialEq>(
     tree: impl Fn(S) -> Option<(N, AnyMovingBvtt<'q>)>,
     above: &[SubjectNodePair<S>],
